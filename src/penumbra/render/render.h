@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "penumbra/image/image.h"
+#include "penumbra/parallel/progress.h"
+#include "penumbra/scene/camera.h"
+#include "penumbra/tracing/ray_tracer.h"
+
+namespace penumbra {
+
+enum class IntegratorKind {
+  appel,    ///< primary rays and shadow rays (Appel 1968)
+  whitted,  ///< the recursion of Whitted 1979
+  path,     ///< path tracing, the reference
+};
+
+enum class FilterKind { box, tent, gaussian, mitchell, blackman_harris };
+
+/// Which rectangle of the picture to draw, pixels, [x0, x1) x [y0, y1).
+struct Region {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+/// The layers that a picture can carry beside its colour.
+enum class Aov { albedo, normal, depth, position, object, direct, indirect, variance, rays };
+
+struct RenderOptions {
+  IntegratorKind integrator = IntegratorKind::whitted;
+  int width = 800;
+  int height = 600;
+  int samples_per_pixel = 4;            ///< >= 1
+  FilterKind filter = FilterKind::box;
+  int max_depth = 0;                    ///< longest path in segments after the primary ray; 0: 16 for whitted, no limit for path
+  double min_throughput = 1e-3;         ///< whitted ends a ray whose weight falls below this; path's Russian roulette starts there (unbiased)
+  std::optional<Region> region;         ///< none: everything
+  bool opaque_shadows = false;          ///< glass stops shadow rays in appel and whitted
+  bool front_sides_only = false;        ///< backs are black and opaque
+  std::uint64_t seed = 0;
+  double time_limit = 0;                ///< s, 0: none; the samples done by then are the picture
+  std::vector<Aov> aovs;
+};
+
+/// Rays traced, by what they were for.
+struct RayCounts {
+  std::uint64_t primary = 0, shadow = 0, reflection = 0, refraction = 0, diffuse = 0;
+  std::vector<std::uint64_t> by_depth;  ///< [0] is primary; shadow rays count at the depth of the hit they leave
+  [[nodiscard]] std::uint64_t total() const { return primary + shadow + reflection + refraction + diffuse; }
+};
+
+struct RenderResult {
+  Image image;             ///< scene-linear radiance R, G, B, then the layers asked for, named "layer.C"
+  RayCounts rays;
+  double mean_samples = 0;  ///< samples per pixel actually taken
+  bool partial = false;     ///< stopped or out of time before all samples were done
+  double seconds = 0;
+};
+
+/// Draws a picture. Bit-identical for any number of threads, given the same options (unless a time limit or a stop cuts it).
+/// Throws std::invalid_argument for options out of range.
+[[nodiscard]] RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
+                                  const Progress& progress = {});
+
+}  // namespace penumbra

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "penumbra/math/frame.h"
+#include "penumbra/math/ray.h"
+
+namespace penumbra {
+
+/// Where a ray meets a surface, as the tracer finds it.
+struct Hit {
+  double t = 0;                 ///< distance along the ray, m
+  std::uint32_t object = 0;     ///< numbered as in Scene
+  std::uint32_t primitive = 0;  ///< triangle of the mesh; 0 for exact shapes
+  Vec2d barycentric{0};         ///< weights of vertices 1 and 2; unused for exact shapes
+};
+
+/// The surface around a hit, world space.
+struct SurfacePoint {
+  Vec3d position{0};
+  Vec3d error{0};                      ///< bound on each coordinate's rounding error, m
+  Vec3d geometric_normal{0, 0, 1};     ///< unit, towards the front, whatever side was hit
+  Vec3d shading_normal{0, 0, 1};       ///< unit, interpolated, in the geometric normal's hemisphere
+  Vec3d tangent{1, 0, 0};              ///< unit, along increasing u, perpendicular to the shading normal
+  Vec3d bitangent{0, 1, 0};            ///< unit, normal-map +Y (up in texture space), perpendicular to both
+  Vec2f uv[2]{};
+  Vec4f colour{1};                     ///< vertex colour, linear, alpha in w
+  std::uint32_t object = 0;
+  std::uint32_t primitive = 0;
+  std::uint32_t material = 0;
+};
+
+/// A ray that leaves a surface without meeting it again: the origin is moved out of the point's error box to the side
+/// that `direction` points to (after Pharr, Jakob & Humphreys, "Physically Based Rendering", 4th ed., 6.8.6).
+[[nodiscard]] Ray leave(const SurfacePoint& from, const Vec3d& direction);
+
+/// The open segment between a surface and a point, for shadow rays; `direction` is unit length and t_max ends before
+/// `target` by its error. @param target_error bound of the target's own rounding, m per coordinate.
+[[nodiscard]] Ray segment(const SurfacePoint& from, const Vec3d& target, const Vec3d& target_error = Vec3d(0));
+
+}  // namespace penumbra

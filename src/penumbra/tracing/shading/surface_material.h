@@ -1,0 +1,36 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "penumbra/math/frame.h"
+#include "penumbra/math/spectrum.h"
+#include "penumbra/scene/scene.h"
+#include "penumbra/tracing/hit.h"
+
+namespace penumbra {
+
+/// A material at one point: textures read, factors multiplied. See Material for the meaning of each.
+struct SurfaceMaterial {
+  Rgb base_colour{0.8F};
+  float alpha = 1;  ///< what AlphaMode::blend lets see; 1 for the other modes
+  float metallic = 0;
+  float roughness = 1;
+  float specular = 1;
+  Rgb specular_colour{1.0F};
+  float ior = 1.5F;
+  float transmission = 0;
+  bool thin_walled = false;
+  Rgb mirror{0.0F};
+  std::optional<ConductorIor> conductor;
+  Rgb emission{0.0F};  ///< radiance from an emitting side, W/(m^2 sr)
+  Frame shading;       ///< with the normal map applied; the normal in the geometric normal's hemisphere
+};
+
+/// Reads the material and its textures at a point.
+[[nodiscard]] SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point);
+
+/// Opacity of a triangle's surface at texture coordinates, for alpha masks and blends: base alpha x texture x vertex alpha.
+[[nodiscard]] float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2], float vertex_alpha);
+
+}  // namespace penumbra

@@ -1,0 +1,16 @@
+# Read by CTest: labels follow from names, so that a test is sorted where it is written.
+foreach(list IN ITEMS math_tests file_tests parallel_tests image_tests scene_tests io_tests tracing_tests shading_tests
+                      render_tests radiosity_tests laws_tests cli_tests)
+  foreach(name IN LISTS ${list})
+    set(labels)
+    if(name MATCHES "Slow")
+      list(APPEND labels slow)
+    endif()
+    if(name MATCHES "Threaded")
+      list(APPEND labels threaded)
+    endif()
+    if(labels)
+      set_tests_properties("${name}" PROPERTIES LABELS "${labels}")
+    endif()
+  endforeach()
+endforeach()
