@@ -19,7 +19,8 @@ struct BuiltinScene {
 [[nodiscard]] std::span<const BuiltinScene> builtin_scenes();
 
 /// Makes one from "NAME?key=value&key=value" (without the `builtin:` prefix).
-/// Throws std::invalid_argument for an unknown name (naming the known ones and the nearest), an unknown key, or a value out of range.
+/// Throws std::invalid_argument for an unknown name (naming the known ones and the nearest), an unknown key, or a value
+/// out of range.
 [[nodiscard]] Scene make_builtin_scene(std::string_view name_and_parameters);
 
 }  // namespace penumbra
