@@ -61,7 +61,8 @@ struct Material {
   std::optional<TextureRef> specular_colour_texture;     ///< sRGB
 
   /// Two colours in squares of `checker_size` metres over the surface's own plane: Whitted's floor.
-  /// The second colour; base_colour is the first.
+  /// The second colour; base_colour is the first. On a floor (normal along y) the square whose floor(x / size) +
+  /// floor(z / size) is even, in world coordinates, has the first.
   std::optional<Rgb> checker_colour;
   float checker_size = 1;
 
