@@ -1,0 +1,178 @@
+#include "penumbra/radiosity/form_factors/factor_matrix.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "penumbra/parallel/parallel_for.h"
+
+namespace penumbra {
+namespace {
+
+/// One unordered pair, packed until all rows' lengths are known.
+struct PackedPair {
+  std::uint32_t i, j;
+  double exchange;
+};
+
+std::vector<std::uint64_t> row_offsets(const std::vector<std::vector<PackedPair>>& chunks, std::size_t rows) {
+  std::vector<std::uint64_t> offsets(rows + 1, 0);
+  for (const auto& chunk : chunks)
+    for (const PackedPair& p : chunk) {
+      ++offsets[p.i + 1];
+      ++offsets[p.j + 1];
+    }
+  for (std::size_t i = 0; i < rows; ++i) offsets[i + 1] += offsets[i];
+  return offsets;
+}
+
+/// Sorts each row by column and adds up what appears twice. Returns whether any row became shorter.
+bool sort_rows(FactorMatrix& m, std::vector<std::uint64_t>& lengths) {
+  lengths.assign(m.rows(), 0);
+  parallel_for(m.rows(), 64, [&](std::size_t first, std::size_t last) {
+    std::vector<std::pair<std::uint32_t, double>> row;
+    for (std::size_t i = first; i < last; ++i) {
+      const std::uint64_t begin = m.offsets[i], end = m.offsets[i + 1];
+      row.clear();
+      for (std::uint64_t k = begin; k < end; ++k) row.emplace_back(m.columns[k], m.values[k]);
+      std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      std::uint64_t out = begin;
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        if (k > 0 && row[k].first == row[k - 1].first) {
+          m.values[out - 1] += row[k].second;
+        } else {
+          m.columns[out] = row[k].first;
+          m.values[out++] = row[k].second;
+        }
+      }
+      lengths[i] = out - begin;
+    }
+  });
+  for (std::size_t i = 0; i < m.rows(); ++i)
+    if (lengths[i] != m.offsets[i + 1] - m.offsets[i]) return true;
+  return false;
+}
+
+void close_gaps(FactorMatrix& m, const std::vector<std::uint64_t>& lengths) {
+  std::uint64_t out = 0;
+  for (std::size_t i = 0; i < m.rows(); ++i) {
+    const std::uint64_t begin = m.offsets[i];
+    m.offsets[i] = out;
+    for (std::uint64_t k = 0; k < lengths[i]; ++k, ++out) {
+      m.columns[out] = m.columns[begin + k];
+      m.values[out] = m.values[begin + k];
+    }
+  }
+  m.offsets[m.rows()] = out;
+  m.columns.resize(out);
+  m.values.resize(out);
+}
+
+}  // namespace
+
+double FactorMatrix::at(std::size_t i, std::size_t j) const {
+  const auto row = row_columns(i);
+  const auto found = std::lower_bound(row.begin(), row.end(), static_cast<std::uint32_t>(j));
+  if (found == row.end() || *found != j) return 0;
+  return values[offsets[i] + static_cast<std::uint64_t>(found - row.begin())];
+}
+
+double FactorMatrix::row_sum(std::size_t i) const {
+  double sum = 0;
+  for (double f : row_values(i)) sum += f;
+  return sum;
+}
+
+FactorMatrix assemble_factor_matrix(const FormFactorMethod& method, std::span<const double> areas,
+                                    const Progress& progress) {
+  FactorMatrix m;
+  m.areas.assign(areas.begin(), areas.end());
+  m.row_errors.assign(m.rows(), 0.0);
+  m.row_dropped.assign(m.rows(), 0.0);
+
+  std::vector<std::vector<PackedPair>> chunks;
+  m.partial = !visit_factors(
+      method,
+      [&](const FactorBlock& block) {
+        if (!block.pairs.empty()) {
+          auto& chunk = chunks.emplace_back();
+          chunk.reserve(block.pairs.size());
+          for (const PairFactor& p : block.pairs) {
+            chunk.push_back({p.i, p.j, p.exchange});
+            m.row_errors[p.i] += p.error;
+            m.row_errors[p.j] += p.error;
+          }
+        }
+        for (const DroppedExchange& d : block.dropped) m.row_dropped[d.patch] += d.exchange;
+      },
+      progress);
+
+  m.offsets = row_offsets(chunks, m.rows());
+  m.columns.resize(m.offsets.back());
+  m.values.resize(m.offsets.back());
+  std::vector<std::uint64_t> next(m.offsets.begin(), m.offsets.end() - 1);
+  for (auto& chunk : chunks) {
+    for (const PackedPair& p : chunk) {
+      m.columns[next[p.i]] = p.j;
+      m.values[next[p.i]++] = p.exchange / m.areas[p.i];
+      m.columns[next[p.j]] = p.i;
+      m.values[next[p.j]++] = p.exchange / m.areas[p.j];
+    }
+    std::vector<PackedPair>().swap(chunk);
+  }
+  std::vector<std::uint64_t> lengths;
+  if (sort_rows(m, lengths)) close_gaps(m, lengths);
+  for (std::size_t i = 0; i < m.rows(); ++i) {
+    if (!(m.areas[i] > 0)) continue;
+    m.row_dropped[i] /= m.areas[i];
+    m.row_errors[i] = m.row_errors[i] / m.areas[i] + m.row_dropped[i];
+  }
+  return m;
+}
+
+FactorMatrix merge_rows(const FactorMatrix& matrix, std::span<const std::uint32_t> surface_of,
+                        std::size_t surface_count) {
+  assert(surface_of.size() == matrix.rows());
+  FactorMatrix m;
+  m.partial = matrix.partial;
+  m.areas.assign(surface_count, 0.0);
+  m.row_errors.assign(surface_count, 0.0);
+  m.row_dropped.assign(surface_count, 0.0);
+  std::vector<std::vector<std::uint32_t>> parts(surface_count);
+  for (std::size_t i = 0; i < matrix.rows(); ++i) {
+    if (surface_of[i] == no_surface) continue;
+    const std::uint32_t s = surface_of[i];
+    parts[s].push_back(static_cast<std::uint32_t>(i));
+    m.areas[s] += matrix.areas[i];
+    m.row_errors[s] += matrix.areas[i] * matrix.row_errors[i];
+    m.row_dropped[s] += matrix.areas[i] * matrix.row_dropped[i];
+  }
+  std::vector<double> exchange(surface_count, 0.0);
+  std::vector<std::uint32_t> touched;
+  for (std::size_t s = 0; s < surface_count; ++s) {
+    touched.clear();
+    for (std::uint32_t i : parts[s]) {
+      const auto columns = matrix.row_columns(i);
+      const auto values = matrix.row_values(i);
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        const std::uint32_t t = surface_of[columns[k]];
+        if (t == no_surface || values[k] == 0) continue;
+        if (exchange[t] == 0) touched.push_back(t);
+        exchange[t] += matrix.areas[i] * values[k];
+      }
+    }
+    std::sort(touched.begin(), touched.end());
+    for (std::uint32_t t : touched) {
+      m.columns.push_back(t);
+      m.values.push_back(m.areas[s] > 0 ? exchange[t] / m.areas[s] : 0.0);
+      exchange[t] = 0;
+    }
+    m.offsets.push_back(m.columns.size());
+    if (m.areas[s] > 0) {
+      m.row_errors[s] /= m.areas[s];
+      m.row_dropped[s] /= m.areas[s];
+    }
+  }
+  return m;
+}
+
+}  // namespace penumbra
