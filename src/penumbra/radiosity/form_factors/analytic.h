@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "penumbra/math/quadrature.h"
+#include "penumbra/math/vec.h"
+
+namespace penumbra {
+
+/// Vectors that `exchange_area` may reuse from call to call; one for each thread.
+struct ExchangeAreaScratch {
+  std::vector<Vec3d> first, second, clipped;
+  std::vector<WeightedPoint> first_rule, second_rule;
+};
+
+/// A_1 F_12 = A_2 F_21 (m^2; Hottel's direct exchange area) between two polygons with nothing in between.
+///
+/// The double contour integral 1/(2 pi) sum over edge pairs of cos * integral of ln r (Sparrow 1963; Schroeder &
+/// Hanrahan 1993 give its closed form), each polygon first clipped to the front of the other's plane. Edge pairs are
+/// integrated exactly where they touch or come close (see edge_pair.h), so shared edges and corners need no shift; well
+/// separated pairs use Gauss rules whose error is below rounding. Symmetric in its arguments to rounding, 0 for
+/// coplanar polygons. Absolute error of F_12 about 1e-15 (1 + size_2 / size_1), and at most 1e-12 for sizes within a
+/// factor 100.
+/// @pre both planar and simple, counter-clockwise seen from the side that radiates. Concave ones are allowed as long as
+/// no part of either lies between parts of the two.
+[[nodiscard]] double exchange_area(std::span<const Vec3d> first, std::span<const Vec3d> second);
+[[nodiscard]] double exchange_area(std::span<const Vec3d> first, std::span<const Vec3d> second,
+                                   ExchangeAreaScratch& scratch);
+
+/// Form factor F_12 (dimensionless, 0..1): the share of what leaves `first` that arrives at `second`.
+[[nodiscard]] double polygon_to_polygon(std::span<const Vec3d> first, std::span<const Vec3d> second);
+
+}  // namespace penumbra
