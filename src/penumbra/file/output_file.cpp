@@ -8,7 +8,6 @@
 #include <cstring>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include "penumbra/file/file_error.h"
 
@@ -26,9 +25,26 @@ std::filesystem::path partial_name(const std::filesystem::path& path) {
   return name;
 }
 
+// Pipes, terminals, /dev/null: renaming over them would take them away from everyone else.
+bool is_device(const std::filesystem::path& path) {
+  std::error_code none;
+  const auto status = std::filesystem::status(path, none);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+         !std::filesystem::is_directory(status);
+}
+
+// A link is followed, so that the file it names is renewed and the link stays.
+std::filesystem::path followed(const std::filesystem::path& path) {
+  std::error_code none;
+  if (!std::filesystem::is_symlink(path, none)) return path;
+  auto target = std::filesystem::canonical(path, none);
+  return none ? path : target;
+}
+
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), partial_(partial_name(path_)) {
+OutputFile::OutputFile(const std::filesystem::path& path) : path_(followed(path)), in_place_(is_device(path_)) {
+  partial_ = in_place_ ? path_ : partial_name(path_);
   if (std::filesystem::is_directory(path_)) {
     throw FileError(path_.string(), "", "is a directory; name a file to write");
   }
@@ -46,7 +62,7 @@ OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), par
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) {
     ::close(descriptor_);
-    ::unlink(partial_.c_str());
+    if (!in_place_) ::unlink(partial_.c_str());
   }
 }
 
@@ -63,7 +79,7 @@ void OutputFile::write(std::string_view text) { write(std::as_bytes(std::span(te
 
 void OutputFile::commit() {
   if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(path_, "written");
-  if (::rename(partial_.c_str(), path_.c_str()) != 0) fail(path_, "renamed into place");
+  if (!in_place_ && ::rename(partial_.c_str(), path_.c_str()) != 0) fail(path_, "renamed into place");
   ::close(descriptor_);
   descriptor_ = -1;
 }

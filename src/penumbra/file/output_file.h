@@ -8,11 +8,12 @@
 namespace penumbra {
 
 /// A file written beside its final name and renamed when whole, so that a crash or a full disk never
-/// leaves half a file under the final name. Destroyed without `commit`, it leaves nothing.
+/// leaves half a file under the final name. Destroyed without `commit`, it leaves nothing. What exists and is no
+/// regular file (a pipe, /dev/stdout, /dev/null) is written in place, never replaced.
 class OutputFile {
  public:
   /// Throws FileError when the file cannot be created (no such folder, no permission, a directory).
-  explicit OutputFile(std::filesystem::path path);
+  explicit OutputFile(const std::filesystem::path& path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -31,6 +32,7 @@ class OutputFile {
   std::filesystem::path path_;
   std::filesystem::path partial_;
   int descriptor_ = -1;
+  bool in_place_ = false;
 };
 
 }  // namespace penumbra
