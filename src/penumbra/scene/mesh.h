@@ -9,7 +9,6 @@
 
 #include "penumbra/math/bounds.h"
 #include "penumbra/math/vec.h"
-#include "penumbra/scene/face_surface.h"
 
 namespace penumbra {
 
@@ -35,8 +34,7 @@ struct Mesh {
   std::vector<std::uint32_t> face_offsets;
   std::vector<std::uint32_t> face_vertices;
   std::vector<std::uint32_t> face_of_triangle;
-  std::vector<std::uint32_t> face_lines;     ///< line of the file on which each face stands, from 1; empty in binary formats
-  std::vector<FaceSurface> face_surfaces;    ///< empty, or one a face (.vs3)
+  std::vector<std::uint32_t> face_lines;  ///< line of the file on which each face stands, from 1; empty in binary formats
 
   [[nodiscard]] std::uint32_t material_of(std::size_t triangle) const {
     return materials.size() == 1 ? materials[0] : materials[triangle];

@@ -13,7 +13,8 @@ namespace penumbra {
 enum class PolygonRole {
   radiates,   ///< has a row of view factors and hides what lies behind it
   obstructs,  ///< hides only (View3D's `O` lines)
-  masks,      ///< takes no part itself; as a subsurface it is a hole in its base (View3D's null surfaces)
+  masks,      ///< takes no part itself; as a subsurface it is a hole in its base (View3D's null surfaces, `N`)
+  covers,     ///< lies on its base face to face: the two see only each other there (View3D's masking surfaces, `M`)
 };
 
 /// One polygon of a thermal model: a line of a .vs3 file.
