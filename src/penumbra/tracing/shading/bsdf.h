@@ -10,19 +10,19 @@ namespace penumbra {
 
 /// A direction chosen by a BSDF.
 struct BsdfSample {
-  Vec3d direction{0};   ///< unit, world, away from the surface
-  Rgb weight{0};        ///< f |cos| / pdf: what the throughput is multiplied by
-  double pdf = 0;       ///< 1/sr of solid angle; 0 for an ideal (delta) lobe
-  bool ideal = false;   ///< mirror or refraction without spread: light sampling cannot find it
+  Vec3d direction{0};  ///< unit, world, away from the surface
+  Rgb weight{0};       ///< f |cos| / pdf: what the throughput is multiplied by
+  double pdf = 0;      ///< 1/sr of solid angle; 0 for an ideal (delta) lobe
+  bool ideal = false;  ///< mirror or refraction without spread: light sampling cannot find it
   bool transmitted = false;
 };
 
 /// The rays that Whitted's recursion follows from a hit, and their weights.
 struct SpecularSplit {
-  Rgb reflected{0};                   ///< weight of the mirror ray, 0 when there is none
-  Vec3d reflection_direction{0};      ///< unit
-  Rgb refracted{0};                   ///< weight of the refraction ray, 0 when there is none (or total reflection)
-  Vec3d refraction_direction{0};      ///< unit
+  Rgb reflected{0};               ///< weight of the mirror ray, 0 when there is none
+  Vec3d reflection_direction{0};  ///< unit
+  Rgb refracted{0};               ///< weight of the refraction ray, 0 when there is none (or total reflection)
+  Vec3d refraction_direction{0};  ///< unit
 };
 
 /// How light scatters at one point: built from a material evaluated there. Directions are unit, world space and point

@@ -30,7 +30,9 @@ struct SurfaceMaterial {
 /// Reads the material and its textures at a point.
 [[nodiscard]] SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point);
 
-/// Opacity of a triangle's surface at texture coordinates, for alpha masks and blends: base alpha x texture x vertex alpha.
-[[nodiscard]] float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2], float vertex_alpha);
+/// Opacity of a triangle's surface at texture coordinates, for alpha masks and blends: base alpha x texture x vertex
+/// alpha.
+[[nodiscard]] float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2],
+                                  float vertex_alpha);
 
 }  // namespace penumbra

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "penumbra/scene/scene.h"
+
+namespace penumbra {
+
+/// How the 8-bit red, green and blue of an image are meant; alpha is always linear, and so are float images.
+enum class TexelEncoding { linear, srgb };
+
+/// The colour of a texture at (u, v), v downwards, as glTF reads it: wrapped, filtered after decoding, 8-bit values
+/// over 255. One channel is grey, two are grey and alpha; missing alpha is 1. White where the image has no texels;
+/// coordinates that are not finite count as 0.
+[[nodiscard]] Vec4f texture_value(const Texture& texture, const TextureImage& image, const Vec2f& uv,
+                                  TexelEncoding encoding);
+
+/// The same for a material's reference to a texture: chooses the UV set and applies the transform.
+[[nodiscard]] Vec4f texture_value(const Scene& scene, const TextureRef& ref, const Vec2f (&uv)[2],
+                                  TexelEncoding encoding);
+
+/// Linear value, 0..1, of an sRGB-encoded one (IEC 61966-2-1).
+[[nodiscard]] float srgb_to_linear(float encoded);
+
+}  // namespace penumbra
