@@ -1,0 +1,31 @@
+#include "penumbra/tracing/hit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace penumbra {
+namespace {
+
+// How far along the normal a point must move to leave its error box, whatever the direction.
+double clearance(const Vec3d& normal, const Vec3d& error) { return dot(glm::abs(normal), error); }
+
+}  // namespace
+
+Ray leave(const SurfacePoint& from, const Vec3d& direction) {
+  const double side = dot(direction, from.geometric_normal) < 0 ? -1.0 : 1.0;
+  return {.origin = from.position + side * clearance(from.geometric_normal, from.error) * from.geometric_normal,
+          .direction = direction};
+}
+
+Ray segment(const SurfacePoint& from, const Vec3d& target, const Vec3d& target_error) {
+  Ray ray = leave(from, target - from.position);
+  const Vec3d way = target - ray.origin;
+  const double distance = length(way);
+  ray.direction = distance > 0 ? way / distance : from.geometric_normal;
+  // Single precision rounds the end of the segment too: 4 ulp of it are left out with the target's own error.
+  const double short_of = dot(glm::abs(ray.direction), target_error) + 4 * 0x1p-24 * distance;
+  ray.t_max = std::max(0.0, distance - short_of);
+  return ray;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+#include "penumbra/scene/scene.h"
+
+namespace penumbra {
+
+/// Whether a triangle stops rays at a point: false in the holes of AlphaMode::mask, true everywhere else.
+/// @param barycentric weights of vertices 1 and 2.
+[[nodiscard]] bool is_solid(const Scene& scene, const Mesh& mesh, std::uint32_t triangle, const Vec2d& barycentric);
+
+}  // namespace penumbra

@@ -1,0 +1,474 @@
+#include "penumbra/tracing/ray_tracer.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "penumbra/tracing/opacity.h"
+#include "penumbra/tracing/shape_intersection.h"
+
+namespace penumbra {
+namespace {
+
+// Distance at which infinite planes end for the hierarchy, in diagonals of the rest of the scene.
+constexpr double horizon_in_diagonals = 1e4;
+
+// Rounding of one coordinate through single precision: the vertices and the ray's origin are each rounded to float (half an
+// ulp), and the robust intersector works on their float differences. 8 units cover the sum with a margin of two; rays that
+// start on a surface then find themselves on the right side of it.
+constexpr double float_error = 8 * 0x1p-24;
+
+struct DeviceDeleter {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct SceneDeleter {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+using Device = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
+using Hierarchy = std::unique_ptr<RTCSceneTy, SceneDeleter>;
+
+// What a user geometry's callbacks need to know.
+struct ShapeEntry {
+  Shape shape;
+  Bounds bounds;
+};
+struct MaskEntry {
+  const Scene* scene = nullptr;
+  const Mesh* mesh = nullptr;
+};
+
+void shape_bounds_callback(const RTCBoundsFunctionArguments* args) {
+  const auto* entry = static_cast<const ShapeEntry*>(args->geometryUserPtr);
+  const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -std::numeric_limits<float>::infinity()); };
+  const auto up = [](double v) { return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity()); };
+  const Bounds& b = entry->bounds;
+  *args->bounds_o = {down(b.lower.x), down(b.lower.y), down(b.lower.z), 0, up(b.upper.x), up(b.upper.y), up(b.upper.z), 0};
+}
+
+Ray lane_ray(RTCRayN* rays, unsigned n, unsigned i) {
+  return {.origin = {RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
+          .direction = {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)},
+          .t_min = RTCRayN_tnear(rays, n, i),
+          .t_max = RTCRayN_tfar(rays, n, i)};
+}
+
+std::optional<double> intersect_shape(const Shape& shape, const Ray& ray) {
+  return std::visit([&](const auto& s) { return intersect(s, ray); }, shape);
+}
+
+void shape_intersect_callback(const RTCIntersectFunctionNArguments* args) {
+  const auto* entry = static_cast<const ShapeEntry*>(args->geometryUserPtr);
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
+  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    const Ray ray = lane_ray(rays, args->N, i);
+    const auto t = intersect_shape(entry->shape, ray);
+    if (!t) continue;
+    const Vec3f n(shape_point(entry->shape, ray.at(*t)).normal);
+    RTCRayN_tfar(rays, args->N, i) = static_cast<float>(*t);
+    RTCHitN_Ng_x(hits, args->N, i) = n.x;
+    RTCHitN_Ng_y(hits, args->N, i) = n.y;
+    RTCHitN_Ng_z(hits, args->N, i) = n.z;
+    RTCHitN_u(hits, args->N, i) = 0;
+    RTCHitN_v(hits, args->N, i) = 0;
+    RTCHitN_primID(hits, args->N, i) = 0;
+    RTCHitN_geomID(hits, args->N, i) = args->geomID;
+    RTCHitN_instID(hits, args->N, i, 0) = args->context->instID[0];
+  }
+}
+
+void shape_occluded_callback(const RTCOccludedFunctionNArguments* args) {
+  const auto* entry = static_cast<const ShapeEntry*>(args->geometryUserPtr);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    if (intersect_shape(entry->shape, lane_ray(args->ray, args->N, i))) {
+      RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+    }
+  }
+}
+
+// Lets rays pass where an alpha mask is below its cutoff.
+void mask_callback(const RTCFilterFunctionNArguments* args) {
+  const auto* entry = static_cast<const MaskEntry*>(args->geometryUserPtr);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    const Vec2d b(RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i));
+    if (!is_solid(*entry->scene, *entry->mesh, RTCHitN_primID(args->hit, args->N, i), b)) args->valid[i] = 0;
+  }
+}
+
+bool has_mask(const Scene& scene, const Mesh& mesh) {
+  return std::any_of(mesh.materials.begin(), mesh.materials.end(),
+                     [&](std::uint32_t m) { return scene.materials[m].alpha_mode == AlphaMode::mask; });
+}
+
+// A row of the table that turns Embree's geometry numbers into ours.
+struct Entry {
+  std::uint32_t object = 0;
+};
+
+// A triangle's attributes, interpolated: weight of vertex 0 is what the barycentric pair leaves.
+template <class T>
+T interpolate(const std::vector<T>& values, const Mesh::Triangle& triangle, const Vec2d& b) {
+  const auto w0 = static_cast<float>(1 - b.x - b.y);
+  return w0 * values[triangle[0]] + static_cast<float>(b.x) * values[triangle[1]] +
+         static_cast<float>(b.y) * values[triangle[2]];
+}
+
+}  // namespace
+
+struct RayTracer::Impl {
+  const Scene* scene = nullptr;
+  Device device;
+  std::vector<Hierarchy> meshes;  // for meshes with several instances
+  Hierarchy world;
+  std::vector<Entry> entries;  // by geometry number of `world`
+  std::vector<std::unique_ptr<ShapeEntry>> shapes;
+  std::vector<std::unique_ptr<MaskEntry>> masks;
+  std::vector<char> mirrored;        // by instance
+  std::vector<Mat3d> normal_matrices;  // by instance, sign mended when mirrored
+  Bounds bounds;
+  bool native_packets = false;
+  std::string error;
+
+  explicit Impl(const Scene& s) : scene(&s) {
+    device.reset(rtcNewDevice(nullptr));
+    if (!device) throw std::runtime_error("the ray tracing kernels cannot start on this processor");
+    rtcSetDeviceErrorFunction(device.get(), note_error, this);
+    native_packets = rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
+  }
+
+  static void note_error(void* self, RTCError code, const char* text) {
+    auto& note = static_cast<Impl*>(self)->error;
+    if (note.empty()) note = code == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : text;
+  }
+  void throw_on_error() const {
+    if (error == "out of memory") throw std::bad_alloc();
+    if (!error.empty()) throw std::runtime_error("ray tracing kernels: " + error);
+  }
+
+  Hierarchy new_hierarchy() {
+    Hierarchy h(rtcNewScene(device.get()));
+    rtcSetSceneFlags(h.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(h.get(), RTC_BUILD_QUALITY_MEDIUM);
+    return h;
+  }
+
+  void attach_triangles(RTCScene target, const Mesh& mesh, const Mat4d& to_space, std::uint32_t object);
+  void attach_instances();
+  void attach_shapes();
+  void add_entry(unsigned geometry, std::uint32_t object) {
+    if (entries.size() <= geometry) entries.resize(geometry + 1);
+    entries[geometry] = {object};
+  }
+  [[nodiscard]] std::uint32_t object_of(unsigned geometry, unsigned instance) const {
+    return entries[instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry].object;
+  }
+};
+
+void RayTracer::Impl::attach_triangles(RTCScene target, const Mesh& mesh, const Mat4d& to_space, std::uint32_t object) {
+  RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                               3 * sizeof(float), mesh.positions.size()));
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
+  throw_on_error();
+  const bool identity = to_space == Mat4d(1.0);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3f p(identity ? mesh.positions[i] : transform_point(to_space, mesh.positions[i]));
+    std::memcpy(vertices + 3 * i, &p, sizeof p);
+  }
+  std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * sizeof(Mesh::Triangle));
+  if (has_mask(*scene, mesh)) {
+    masks.push_back(std::make_unique<MaskEntry>(MaskEntry{scene, &mesh}));
+    rtcSetGeometryUserData(geometry, masks.back().get());
+    rtcSetGeometryIntersectFilterFunction(geometry, mask_callback);
+    rtcSetGeometryOccludedFilterFunction(geometry, mask_callback);
+  }
+  rtcCommitGeometry(geometry);
+  const unsigned number = rtcAttachGeometry(target, geometry);
+  if (target == world.get()) add_entry(number, object);
+  rtcReleaseGeometry(geometry);
+}
+
+// A mesh with one instance goes into the world's own hierarchy, which traces faster; one with more is built once.
+void RayTracer::Impl::attach_instances() {
+  std::vector<std::uint32_t> uses(scene->meshes.size(), 0);
+  for (const Instance& i : scene->instances) ++uses[i.mesh];
+  meshes.resize(scene->meshes.size());
+  for (std::uint32_t object = 0; object < scene->instances.size(); ++object) {
+    const Instance& instance = scene->instances[object];
+    const Mesh& mesh = scene->meshes[instance.mesh];
+    mirrored.push_back(is_mirroring(instance.to_world) ? 1 : 0);
+    normal_matrices.push_back(normal_matrix(instance.to_world) * (mirrored.back() ? -1.0 : 1.0));
+    if (mesh.triangles.empty()) continue;
+    for (const Vec3d& p : mesh.positions) bounds.grow(transform_point(instance.to_world, p));
+    if (uses[instance.mesh] == 1) {
+      attach_triangles(world.get(), mesh, instance.to_world, object);
+      continue;
+    }
+    Hierarchy& own = meshes[instance.mesh];
+    if (!own) {
+      own = new_hierarchy();
+      attach_triangles(own.get(), mesh, Mat4d(1.0), object);
+      rtcCommitScene(own.get());
+    }
+    RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, own.get());
+    const glm::mat4 m(instance.to_world);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
+    rtcCommitGeometry(geometry);
+    add_entry(rtcAttachGeometry(world.get(), geometry), object);
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+void RayTracer::Impl::attach_shapes() {
+  for (const ShapeObject& s : scene->shapes) {
+    if (!std::holds_alternative<Plane>(s.shape)) bounds.grow(shape_bounds(s.shape, 0));
+  }
+  const double horizon = horizon_in_diagonals * std::max(1.0, bounds.diagonal());
+  for (std::size_t i = 0; i < scene->shapes.size(); ++i) {
+    const Shape& shape = scene->shapes[i].shape;
+    shapes.push_back(std::make_unique<ShapeEntry>(ShapeEntry{shape, shape_bounds(shape, horizon)}));
+    RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, 1);
+    rtcSetGeometryUserData(geometry, shapes.back().get());
+    rtcSetGeometryBoundsFunction(geometry, shape_bounds_callback, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, shape_intersect_callback);
+    rtcSetGeometryOccludedFunction(geometry, shape_occluded_callback);
+    rtcCommitGeometry(geometry);
+    add_entry(rtcAttachGeometry(world.get(), geometry), static_cast<std::uint32_t>(scene->instances.size() + i));
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+RayTracer::RayTracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {
+  impl_->world = impl_->new_hierarchy();
+  impl_->attach_instances();
+  impl_->attach_shapes();
+  rtcCommitScene(impl_->world.get());
+  impl_->throw_on_error();
+}
+
+RayTracer::~RayTracer() = default;
+RayTracer::RayTracer(RayTracer&&) noexcept = default;
+RayTracer& RayTracer::operator=(RayTracer&&) noexcept = default;
+
+const Scene& RayTracer::scene() const { return *impl_->scene; }
+Bounds RayTracer::bounds() const { return impl_->bounds; }
+std::size_t RayTracer::triangle_count() const { return impl_->scene->triangle_count(); }
+
+namespace {
+
+RTCRay embree_ray(const Ray& ray) {
+  RTCRay r{};
+  r.org_x = static_cast<float>(ray.origin.x);
+  r.org_y = static_cast<float>(ray.origin.y);
+  r.org_z = static_cast<float>(ray.origin.z);
+  r.dir_x = static_cast<float>(ray.direction.x);
+  r.dir_y = static_cast<float>(ray.direction.y);
+  r.dir_z = static_cast<float>(ray.direction.z);
+  r.tnear = static_cast<float>(ray.t_min);
+  r.tfar = static_cast<float>(ray.t_max);
+  r.mask = 0xFFFFFFFFU;
+  return r;
+}
+
+}  // namespace
+
+std::optional<Hit> RayTracer::nearest(const Ray& ray) const {
+  RTCRayHit query{embree_ray(ray), {}};
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(impl_->world.get(), &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return Hit{.t = query.ray.tfar,
+             .object = impl_->object_of(query.hit.geomID, query.hit.instID[0]),
+             .primitive = query.hit.primID,
+             .barycentric = {query.hit.u, query.hit.v}};
+}
+
+bool RayTracer::occluded(const Ray& ray) const {
+  RTCRay query = embree_ray(ray);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(impl_->world.get(), &context, &query);
+  return query.tfar < 0;
+}
+
+namespace {
+
+void copy_rays(const RayPacket& rays, RTCRay16& out) {
+  std::memcpy(out.org_x, rays.origin_x, sizeof out.org_x);
+  std::memcpy(out.org_y, rays.origin_y, sizeof out.org_y);
+  std::memcpy(out.org_z, rays.origin_z, sizeof out.org_z);
+  std::memcpy(out.tnear, rays.t_min, sizeof out.tnear);
+  std::memcpy(out.dir_x, rays.direction_x, sizeof out.dir_x);
+  std::memcpy(out.dir_y, rays.direction_y, sizeof out.dir_y);
+  std::memcpy(out.dir_z, rays.direction_z, sizeof out.dir_z);
+  std::memcpy(out.tfar, rays.t_max, sizeof out.tfar);
+  std::fill(std::begin(out.time), std::end(out.time), 0.0F);
+  std::fill(std::begin(out.mask), std::end(out.mask), 0xFFFFFFFFU);
+  std::fill(std::begin(out.id), std::end(out.id), 0U);
+  std::fill(std::begin(out.flags), std::end(out.flags), 0U);
+}
+
+// Stream queries take no mask: a lane sleeps when its interval is empty.
+void put_to_sleep(const RayPacket& rays, RTCRay16& out) {
+  for (int i = 0; i < RayPacket::size; ++i) {
+    if (rays.active[i] == 0) out.tnear[i] = std::numeric_limits<float>::infinity(), out.tfar[i] = -1;
+  }
+}
+
+}  // namespace
+
+void RayTracer::nearest(const RayPacket& rays, HitPacket& hits) const {
+  RTCRayHit16 query;
+  copy_rays(rays, query.ray);
+  std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
+  std::fill(std::begin(query.hit.instID[0]), std::end(query.hit.instID[0]), RTC_INVALID_GEOMETRY_ID);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  if (impl_->native_packets) {
+    rtcIntersect16(rays.active, impl_->world.get(), &context, &query);
+  } else {
+    put_to_sleep(rays, query.ray);
+    rtcIntersectNM(impl_->world.get(), &context, reinterpret_cast<RTCRayHitN*>(&query), RayPacket::size, 1, sizeof query);
+  }
+  std::memcpy(hits.t, query.ray.tfar, sizeof hits.t);
+  std::memcpy(hits.normal_x, query.hit.Ng_x, sizeof hits.normal_x);
+  std::memcpy(hits.normal_y, query.hit.Ng_y, sizeof hits.normal_y);
+  std::memcpy(hits.normal_z, query.hit.Ng_z, sizeof hits.normal_z);
+  std::memcpy(hits.u, query.hit.u, sizeof hits.u);
+  std::memcpy(hits.v, query.hit.v, sizeof hits.v);
+  std::memcpy(hits.primitive, query.hit.primID, sizeof hits.primitive);
+  for (int i = 0; i < RayPacket::size; ++i) {
+    const bool hit = rays.active[i] != 0 && query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    hits.object[i] = hit ? impl_->object_of(query.hit.geomID[i], query.hit.instID[0][i]) : HitPacket::no_hit;
+  }
+}
+
+void RayTracer::occluded(RayPacket& rays) const {
+  RTCRay16 query;
+  copy_rays(rays, query);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  if (impl_->native_packets) {
+    rtcOccluded16(rays.active, impl_->world.get(), &context, &query);
+  } else {
+    put_to_sleep(rays, query);
+    rtcOccludedNM(impl_->world.get(), &context, reinterpret_cast<RTCRayN*>(&query), RayPacket::size, 1, sizeof query);
+  }
+  // Embree sets tfar to minus infinity where something stands in the way.
+  for (int i = 0; i < RayPacket::size; ++i) {
+    if (query.tfar[i] == -std::numeric_limits<float>::infinity()) rays.active[i] = 0;
+  }
+}
+
+namespace {
+
+// Unit vectors along u and -v (normal-map +Y is up in texture space) from the triangle's texture coordinates.
+void tangents_from_uv(const Mesh& mesh, const Mesh::Triangle& triangle, const Vec3d& e1, const Vec3d& e2, SurfacePoint& p) {
+  const Frame fallback(p.shading_normal);
+  p.tangent = fallback.tangent;
+  p.bitangent = fallback.bitangent;
+  if (mesh.uv[0].empty()) return;
+  const Vec2d d1 = Vec2d(mesh.uv[0][triangle[1]] - mesh.uv[0][triangle[0]]);
+  const Vec2d d2 = Vec2d(mesh.uv[0][triangle[2]] - mesh.uv[0][triangle[0]]);
+  const double determinant = d1.x * d2.y - d2.x * d1.y;
+  if (determinant == 0) return;
+  const Vec3d along_u = (d2.y * e1 - d1.y * e2) / determinant;
+  const Vec3d flat = along_u - dot(along_u, p.shading_normal) * p.shading_normal;
+  if (!(length_squared(flat) > 0)) return;
+  p.tangent = normalize(flat);
+  // v grows downwards, so a right-handed texture (seen from the front) has determinant < 0.
+  const double hand = determinant < 0 ? 1.0 : -1.0;
+  p.bitangent = hand * cross(p.shading_normal, p.tangent);
+}
+
+void tangents_from_mesh(const Mesh& mesh, const Mesh::Triangle& triangle, const Mat4d& to_world, const Vec2d& b, bool mirrored,
+                        SurfacePoint& p) {
+  const Vec4f t = interpolate(mesh.tangents, triangle, b);
+  const Vec3d along = transform_vector(to_world, Vec3d(t));
+  const Vec3d flat = along - dot(along, p.shading_normal) * p.shading_normal;
+  if (!(length_squared(flat) > 0)) return;
+  p.tangent = normalize(flat);
+  const double hand = (mesh.tangents[triangle[0]].w < 0) != mirrored ? -1.0 : 1.0;
+  p.bitangent = hand * cross(p.shading_normal, p.tangent);
+}
+
+}  // namespace
+
+SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
+  const Scene& scene = *impl_->scene;
+  SurfacePoint p;
+  p.object = hit.object;
+  p.primitive = hit.primitive;
+  if (hit.object >= scene.instances.size()) {
+    const ShapeObject& object = scene.shapes[hit.object - scene.instances.size()];
+    const ShapePoint s = shape_point(object.shape, ray.at(hit.t));
+    p.position = s.position;
+    p.geometric_normal = p.shading_normal = s.normal;
+    p.tangent = s.tangent;
+    p.bitangent = cross(s.normal, s.tangent);
+    p.uv[0] = p.uv[1] = s.uv;
+    p.material = object.material;
+    const auto* ball = std::get_if<Sphere>(&object.shape);
+    p.error = float_error * (glm::abs(p.position) + Vec3d(ball ? ball->radius : 0.0));
+    return p;
+  }
+
+  const Instance& instance = scene.instances[hit.object];
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  const Mesh::Triangle& triangle = mesh.triangles[hit.primitive];
+  const Vec3d v0 = transform_point(instance.to_world, mesh.positions[triangle[0]]);
+  const Vec3d v1 = transform_point(instance.to_world, mesh.positions[triangle[1]]);
+  const Vec3d v2 = transform_point(instance.to_world, mesh.positions[triangle[2]]);
+  const Vec3d e1 = v1 - v0;
+  const Vec3d e2 = v2 - v0;
+  const Vec2d b = hit.barycentric;
+  p.position = v0 + b.x * e1 + b.y * e2;
+  p.error = float_error * (glm::max(glm::max(glm::abs(v0), glm::abs(v1)), glm::abs(v2)) + glm::max(glm::abs(e1), glm::abs(e2)));
+  const bool mirrored = impl_->mirrored[hit.object] != 0;
+  const Vec3d ng = (mirrored ? -1.0 : 1.0) * cross(e1, e2);
+  const double area2 = length(ng);
+  p.geometric_normal = area2 > 0 ? ng / area2 : -ray.direction;
+  p.shading_normal = p.geometric_normal;
+  if (!mesh.normals.empty()) {
+    const Vec3d n = impl_->normal_matrices[hit.object] * Vec3d(interpolate(mesh.normals, triangle, b));
+    const double size = length(n);
+    if (size > 0 && std::isfinite(size)) p.shading_normal = n / size;
+    if (dot(p.shading_normal, p.geometric_normal) < 0) p.shading_normal = -p.shading_normal;
+  }
+  if (!mesh.tangents.empty()) {
+    const Frame fallback(p.shading_normal);
+    p.tangent = fallback.tangent;
+    p.bitangent = fallback.bitangent;
+    tangents_from_mesh(mesh, triangle, instance.to_world, b, mirrored, p);
+  } else {
+    tangents_from_uv(mesh, triangle, e1, e2, p);
+    if (mirrored) p.bitangent = -p.bitangent;
+  }
+  for (int set = 0; set < 2; ++set) {
+    if (!mesh.uv[set].empty()) p.uv[set] = interpolate(mesh.uv[set], triangle, b);
+  }
+  if (!mesh.colours.empty()) p.colour = interpolate(mesh.colours, triangle, b);
+  p.material = mesh.material_of(hit.primitive);
+  return p;
+}
+
+}  // namespace penumbra

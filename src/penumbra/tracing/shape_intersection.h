@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+
+#include "penumbra/math/bounds.h"
+#include "penumbra/math/ray.h"
+#include "penumbra/scene/shape.h"
+
+namespace penumbra {
+
+/// Distance to the first crossing of an exact shape within (t_min, t_max), in double precision. `ray.direction` need not
+/// be unit length; the distance is then in its lengths.
+[[nodiscard]] std::optional<double> intersect(const Sphere& sphere, const Ray& ray);
+[[nodiscard]] std::optional<double> intersect(const Disk& disk, const Ray& ray);
+[[nodiscard]] std::optional<double> intersect(const Cylinder& cylinder, const Ray& ray);
+[[nodiscard]] std::optional<double> intersect(const Plane& plane, const Ray& ray);
+
+/// The differential geometry of a shape at a point on (or within rounding of) it.
+struct ShapePoint {
+  Vec3d position;  ///< moved onto the shape
+  Vec3d normal;    ///< unit, towards the front
+  Vec3d tangent;   ///< unit, along increasing u
+  Vec2f uv;        ///< 0..1 over the shape; metres on a plane
+};
+[[nodiscard]] ShapePoint shape_point(const Shape& shape, const Vec3d& near);
+
+/// World bounds; a plane's are cut at `horizon` metres from its point.
+[[nodiscard]] Bounds shape_bounds(const Shape& shape, double horizon);
+
+}  // namespace penumbra
