@@ -1,0 +1,341 @@
+#include "penumbra/tracing/shading/light_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "penumbra/math/sampling.h"
+#include "penumbra/tracing/shading/surface_material.h"
+
+namespace penumbra {
+namespace {
+
+using std::numbers::pi;
+
+constexpr std::uint32_t no_light = 0xFFFFFFFFU;
+
+// Rounding of a point on a light: its shadow ray ends before it.
+Vec3d rounding(const Vec3d& p, double size) { return (8 * 0x1p-24) * (glm::abs(p) + Vec3d(size)); }
+
+struct WorldTriangle {
+  Vec3d v0, e1, e2;
+  [[nodiscard]] Vec3d area_normal() const { return 0.5 * cross(e1, e2); }
+};
+
+WorldTriangle world_triangle(const Instance& instance, const Mesh& mesh, std::uint32_t triangle) {
+  const Mesh::Triangle& c = mesh.triangles[triangle];
+  const Vec3d v0 = transform_point(instance.to_world, mesh.positions[c[0]]);
+  return {v0, transform_point(instance.to_world, mesh.positions[c[1]]) - v0,
+          transform_point(instance.to_world, mesh.positions[c[2]]) - v0};
+}
+
+std::size_t find_cell(const std::vector<double>& cdf, double u) {
+  const auto above = std::upper_bound(cdf.begin(), cdf.end(), u);
+  const auto cell = above - cdf.begin() - 1;
+  return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(cell, 0, static_cast<std::ptrdiff_t>(cdf.size()) - 2));
+}
+
+double sides(const Material& m) { return m.double_sided ? 2.0 : 1.0; }
+
+double shape_area(const Shape& shape) {
+  if (const auto* s = std::get_if<Sphere>(&shape)) return 4 * pi * s->radius * s->radius;
+  if (const auto* d = std::get_if<Disk>(&shape)) return pi * d->radius * d->radius;
+  if (const auto* c = std::get_if<Cylinder>(&shape)) return 2 * pi * c->radius * length(c->top - c->base);
+  return 0;
+}
+
+// The range window of KHR_lights_punctual: smooth to 0 at the range.
+double range_window(double distance, double range) {
+  if (!std::isfinite(range)) return 1;
+  const double q = distance / range;
+  return std::clamp(1 - q * q * q * q, 0.0, 1.0);
+}
+
+// The cone of KHR_lights_punctual: squared smooth step of the angle's cosine between outer and inner angle.
+double spot_window(const SpotLight& spot, const Vec3d& from_light) {
+  const double outer = std::cos(spot.outer_angle);
+  const double scale = 1 / std::max(0.001, std::cos(spot.inner_angle) - outer);
+  const double a = std::clamp((dot(spot.direction, from_light) - outer) * scale, 0.0, 1.0);
+  return a * a;
+}
+
+}  // namespace
+
+bool emits_towards(const Material& material, const Vec3d& geometric_normal, const Vec3d& direction) {
+  return material.double_sided || dot(geometric_normal, direction) > 0;
+}
+
+LightSampler::LightSampler(const Scene& scene)
+    : scene_(&scene), environment_(scene), scene_radius_(std::max(1e-3, scene.bounds().diagonal() / 2)) {
+  light_of_object_.assign(scene.object_count(), no_light);
+  add_punctual();
+  for (std::uint32_t object = 0; object < scene.object_count(); ++object) {
+    object < scene.instances.size() ? add_mesh(object) : add_shape(object);
+  }
+  add_environment();
+  finish_choice();
+}
+
+void LightSampler::add_punctual() {
+  for (std::uint32_t i = 0; i < scene_->lights.size(); ++i) {
+    const auto& kind = scene_->lights[i].kind;
+    double power = 0;
+    if (const auto* point = std::get_if<PointLight>(&kind)) {
+      power = 4 * pi * luminance(point->intensity) * (point->inverse_square ? 1 : scene_radius_ * scene_radius_);
+    } else if (const auto* spot = std::get_if<SpotLight>(&kind)) {
+      power = 2 * pi * (1 - std::cos(0.5 * (spot->inner_angle + spot->outer_angle))) * luminance(spot->intensity);
+    } else if (const auto* far = std::get_if<DirectionalLight>(&kind)) {
+      power = pi * scene_radius_ * scene_radius_ * luminance(far->irradiance);
+    } else {
+      ambient_ += std::get<AmbientLight>(kind).radiance;
+      continue;
+    }
+    if (power > 0) lights_.push_back({Kind::punctual, i, power, {}, {}});
+  }
+}
+
+void LightSampler::add_mesh(std::uint32_t object) {
+  const Instance& instance = scene_->instances[object];
+  const Mesh& mesh = scene_->meshes[instance.mesh];
+  const bool shines = std::any_of(mesh.materials.begin(), mesh.materials.end(),
+                                  [&](std::uint32_t m) { return scene_->materials[m].emits(); });
+  if (!shines) return;
+  Source source{Kind::mesh, object, 0, {}, {0.0}};
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Material& m = scene_->materials[mesh.material_of(t)];
+    if (!m.emits()) continue;
+    const double power = pi * sides(m) * luminance(m.emission) * length(world_triangle(instance, mesh, t).area_normal());
+    if (!(power > 0)) continue;
+    source.power += power;
+    source.triangles.push_back(t);
+    source.cdf.push_back(source.power);
+  }
+  if (source.triangles.empty()) return;
+  std::vector<float> probability(mesh.triangles.size(), 0.0F);
+  for (double& c : source.cdf) c /= source.power;
+  for (std::size_t i = 0; i < source.triangles.size(); ++i) {
+    probability[source.triangles[i]] = static_cast<float>(source.cdf[i + 1] - source.cdf[i]);
+  }
+  light_of_object_[object] = static_cast<std::uint32_t>(lights_.size());
+  triangle_probability_.resize(lights_.size() + 1);
+  triangle_probability_.back() = std::move(probability);
+  lights_.push_back(std::move(source));
+}
+
+void LightSampler::add_shape(std::uint32_t object) {
+  const ShapeObject& o = scene_->shapes[object - scene_->instances.size()];
+  const Material& m = scene_->materials[o.material];
+  const double power = pi * sides(m) * luminance(m.emission) * shape_area(o.shape);
+  if (!(power > 0)) return;
+  light_of_object_[object] = static_cast<std::uint32_t>(lights_.size());
+  lights_.push_back({Kind::shape, object, power, {}, {}});
+}
+
+void LightSampler::add_environment() {
+  if (!environment_.lights_surfaces()) return;
+  const double power = pi * scene_radius_ * scene_radius_ * pi * luminance(environment_.mean_radiance());
+  if (power > 0) lights_.push_back({Kind::environment, 0, power, {}, {}});
+}
+
+void LightSampler::finish_choice() {
+  triangle_probability_.resize(lights_.size());
+  choice_cdf_.assign(1, 0.0);
+  for (const Source& s : lights_) choice_cdf_.push_back(choice_cdf_.back() + s.power);
+  for (double& c : choice_cdf_) c /= std::max(choice_cdf_.back(), std::numeric_limits<double>::min());
+}
+
+std::optional<LightSample> LightSampler::sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u) const {
+  const Source& source = lights_[light];
+  switch (source.kind) {
+    case Kind::punctual: return sample_punctual(source, from);
+    case Kind::mesh: return sample_mesh(source, from, u);
+    case Kind::shape: return sample_shape(source, from, u);
+    case Kind::environment: return sample_environment(from, u);
+  }
+  return std::nullopt;
+}
+
+std::optional<LightSample> LightSampler::sample(const SurfacePoint& from, double u_light, const Vec2d& u) const {
+  if (lights_.empty()) return std::nullopt;
+  const std::size_t light = find_cell(choice_cdf_, u_light);
+  auto s = sample_light(light, from, u);
+  if (!s) return s;
+  const double chance = choice_cdf_[light + 1] - choice_cdf_[light];
+  if (s->pdf > 0) {
+    s->pdf *= chance;
+  } else {
+    s->radiance /= static_cast<float>(chance);
+  }
+  return s;
+}
+
+std::optional<LightSample> LightSampler::sample_punctual(const Source& source, const SurfacePoint& from) const {
+  const auto& kind = scene_->lights[source.index].kind;
+  LightSample s;
+  if (const auto* far = std::get_if<DirectionalLight>(&kind)) {
+    s.direction = -far->direction;
+    s.radiance = far->irradiance;
+    s.shadow_ray = leave(from, s.direction);
+    return s;
+  }
+  const auto* point = std::get_if<PointLight>(&kind);
+  const auto* spot = std::get_if<SpotLight>(&kind);
+  const Vec3d position = point ? point->position : spot->position;
+  const Vec3d way = position - from.position;
+  const double distance = length(way);
+  if (!(distance > 0)) return std::nullopt;
+  s.direction = way / distance;
+  s.shadow_ray = segment(from, position, rounding(position, 0));
+  if (point && !point->inverse_square) {
+    s.radiance = point->intensity * static_cast<float>(pi);
+    return s;
+  }
+  const double window = range_window(distance, point ? point->range : spot->range) * (spot ? spot_window(*spot, -s.direction) : 1);
+  if (window <= 0) return std::nullopt;
+  s.radiance = (point ? point->intensity : spot->intensity) * static_cast<float>(window / (distance * distance));
+  return s;
+}
+
+// Turns a point of a light, chosen with a density over area, into a direction with a density over solid angle.
+std::optional<LightSample> LightSampler::towards(const SurfacePoint& from, const SurfacePoint& light, double area_pdf) const {
+  const Vec3d way = light.position - from.position;
+  const double distance2 = length_squared(way);
+  if (!(distance2 > 0)) return std::nullopt;
+  LightSample s;
+  s.direction = way / std::sqrt(distance2);
+  const double cosine = std::abs(dot(light.geometric_normal, s.direction));
+  const Material& material = scene_->materials[light.material];
+  if (cosine <= 0 || !emits_towards(material, light.geometric_normal, -s.direction)) return std::nullopt;
+  s.pdf = area_pdf * distance2 / cosine;
+  s.radiance = material.emission_texture ? surface_material(*scene_, light).emission : material.emission;
+  if (!(s.pdf > 0) || !std::isfinite(s.pdf) || is_black(s.radiance)) return std::nullopt;
+  s.shadow_ray = segment(from, light.position, light.error);
+  return s;
+}
+
+std::optional<LightSample> LightSampler::sample_mesh(const Source& source, const SurfacePoint& from, Vec2d u) const {
+  const std::size_t cell = find_cell(source.cdf, u.x);
+  const double chance = source.cdf[cell + 1] - source.cdf[cell];
+  u.x = std::clamp((u.x - source.cdf[cell]) / chance, 0.0, 1.0);  // the part of u left over is uniform again
+  const Instance& instance = scene_->instances[source.index];
+  const Mesh& mesh = scene_->meshes[instance.mesh];
+  const std::uint32_t number = source.triangles[cell];
+  const WorldTriangle triangle = world_triangle(instance, mesh, number);
+  const Vec2d b = sample_triangle(u);
+
+  SurfacePoint light;
+  light.position = triangle.v0 + b.x * triangle.e1 + b.y * triangle.e2;
+  light.error = rounding(light.position, std::max(length(triangle.e1), length(triangle.e2)));
+  const Vec3d normal = triangle.area_normal() * (is_mirroring(instance.to_world) ? -1.0 : 1.0);
+  const double area = length(normal);
+  light.geometric_normal = light.shading_normal = normal / area;
+  light.object = source.index;
+  light.primitive = number;
+  light.material = mesh.material_of(number);
+  const Mesh::Triangle& c = mesh.triangles[number];
+  for (int set = 0; set < 2; ++set) {
+    const auto& uv = mesh.uv[set];
+    if (uv.empty()) continue;
+    light.uv[set] = static_cast<float>(1 - b.x - b.y) * uv[c[0]] + static_cast<float>(b.x) * uv[c[1]] + static_cast<float>(b.y) * uv[c[2]];
+  }
+  return towards(from, light, chance / area);
+}
+
+std::optional<LightSample> LightSampler::sample_shape(const Source& source, const SurfacePoint& from, const Vec2d& u) const {
+  const ShapeObject& object = scene_->shapes[source.index - scene_->instances.size()];
+  SurfacePoint light;
+  light.object = source.index;
+  light.material = object.material;
+  if (const auto* sphere = std::get_if<Sphere>(&object.shape)) {
+    const Vec3d to_centre = sphere->centre - from.position;
+    const double distance2 = length_squared(to_centre);
+    const double r2 = sphere->radius * sphere->radius;
+    if (distance2 > r2 * (1 + 1e-9)) {
+      // 1 - cos of the cone's half-angle without cancellation for small spheres.
+      const double sin2 = r2 / distance2;
+      const double one_minus_cos = sin2 / (1 + std::sqrt(1 - sin2));
+      const Vec3d local = sample_cone(u, 1 - one_minus_cos);
+      const Vec3d direction = Frame(to_centre / std::sqrt(distance2)).to_world(local);
+      const double along = dot(to_centre, direction);
+      const double off2 = std::max(0.0, distance2 - along * along);
+      const double t = along - std::sqrt(std::max(0.0, r2 - off2));
+      light.geometric_normal = normalize(from.position + t * direction - sphere->centre);
+      light.position = sphere->centre + sphere->radius * light.geometric_normal;
+      light.error = rounding(light.position, sphere->radius);
+      LightSample s;
+      s.direction = direction;
+      s.pdf = 1 / (2 * pi * one_minus_cos);
+      s.radiance = surface_material(*scene_, light).emission;
+      s.shadow_ray = segment(from, light.position, light.error);
+      return s;
+    }
+    light.geometric_normal = sample_sphere(u);
+    light.position = sphere->centre + sphere->radius * light.geometric_normal;
+  } else if (const auto* disk = std::get_if<Disk>(&object.shape)) {
+    const Frame frame(disk->normal);
+    const Vec2d d = disk->radius * sample_disk(u);
+    light.geometric_normal = disk->normal;
+    light.position = disk->centre + d.x * frame.tangent + d.y * frame.bitangent;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&object.shape)) {
+    const Vec3d axis = cylinder->top - cylinder->base;
+    const Frame frame(normalize(axis));
+    light.geometric_normal = std::cos(2 * pi * u.y) * frame.tangent + std::sin(2 * pi * u.y) * frame.bitangent;
+    light.position = cylinder->base + u.x * axis + cylinder->radius * light.geometric_normal;
+  } else {
+    return std::nullopt;
+  }
+  light.shading_normal = light.geometric_normal;
+  light.error = rounding(light.position, 0);
+  return towards(from, light, 1 / shape_area(object.shape));
+}
+
+std::optional<LightSample> LightSampler::sample_environment(const SurfacePoint& from, const Vec2d& u) const {
+  const EnvironmentMap::Sample e = environment_.sample(u);
+  if (!(e.pdf > 0)) return std::nullopt;
+  LightSample s;
+  s.direction = e.direction;
+  s.pdf = e.pdf;
+  s.radiance = environment_.radiance(e.direction);
+  s.shadow_ray = leave(from, e.direction);
+  return s;
+}
+
+double LightSampler::pdf(const Vec3d& from, const SurfacePoint& light) const {
+  const std::uint32_t number = light_of_object_[light.object];
+  if (number == no_light) return 0;
+  const double chance = choice_cdf_[number + 1] - choice_cdf_[number];
+  if (lights_[number].kind == Kind::shape) {
+    return chance * shape_pdf(scene_->shapes[light.object - scene_->instances.size()], from, light);
+  }
+  const Instance& instance = scene_->instances[light.object];
+  const double area = length(world_triangle(instance, scene_->meshes[instance.mesh], light.primitive).area_normal());
+  const Vec3d way = light.position - from;
+  const double distance2 = length_squared(way);
+  const double cosine = std::abs(dot(light.geometric_normal, way)) / std::sqrt(distance2);
+  if (!(area > 0) || !(cosine > 0)) return 0;
+  return chance * triangle_probability_[number][light.primitive] / area * distance2 / cosine;
+}
+
+double LightSampler::shape_pdf(const ShapeObject& object, const Vec3d& from, const SurfacePoint& light) const {
+  if (const auto* sphere = std::get_if<Sphere>(&object.shape)) {
+    const double distance2 = length_squared(sphere->centre - from);
+    const double r2 = sphere->radius * sphere->radius;
+    if (distance2 > r2 * (1 + 1e-9)) {
+      const double sin2 = r2 / distance2;
+      return (1 + std::sqrt(1 - sin2)) / (2 * pi * sin2);
+    }
+  }
+  const Vec3d way = light.position - from;
+  const double distance2 = length_squared(way);
+  const double cosine = std::abs(dot(light.geometric_normal, way)) / std::sqrt(distance2);
+  return cosine > 0 ? distance2 / (cosine * shape_area(object.shape)) : 0;
+}
+
+double LightSampler::environment_pdf(const Vec3d& direction) const {
+  if (!environment_.lights_surfaces() || lights_.empty() || lights_.back().kind != Kind::environment) return 0;
+  const std::size_t last = lights_.size() - 1;
+  return (choice_cdf_[last + 1] - choice_cdf_[last]) * environment_.pdf(direction);
+}
+
+}  // namespace penumbra

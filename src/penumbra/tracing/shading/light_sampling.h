@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "penumbra/tracing/hit.h"
+#include "penumbra/tracing/shading/environment_map.h"
+
+namespace penumbra {
+
+/// Light that may arrive at a point from one direction, before anything in between is looked at.
+struct LightSample {
+  Vec3d direction{0};  ///< unit, from the point to the light
+  Rgb radiance{0};     ///< W/(m^2 sr); for a light without a body, irradiance W/m^2 on a surface that faces it
+  double pdf = 0;      ///< 1/sr, of choosing this direction; 0 for a light without a body
+  Ray shadow_ray;      ///< what must be free for the light to arrive
+
+  /// What the incoming light counts for, to be multiplied by f |cos|.
+  [[nodiscard]] Rgb weight() const { return pdf > 0 ? radiance / static_cast<float>(pdf) : radiance; }
+};
+
+/// All lights of a scene, for shadow rays: punctual lights, emissive objects (each a light of its own) and the environment.
+///
+/// Points on meshes are chosen in proportion to emitted power; spheres by the cone they fill (Shirley, Wang & Zimmerman 1996).
+/// Infinite planes that emit, and ambient light, are not in it.
+class LightSampler {
+ public:
+  /// The scene must outlive the sampler.
+  explicit LightSampler(const Scene& scene);
+
+  [[nodiscard]] std::size_t light_count() const { return lights_.size(); }
+
+  /// A direction towards one light; none when it cannot light the point at all.
+  [[nodiscard]] std::optional<LightSample> sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u) const;
+
+  /// A direction towards a light chosen in proportion to its power; the pdf and the weight include the choice.
+  [[nodiscard]] std::optional<LightSample> sample(const SurfacePoint& from, double u_light, const Vec2d& u) const;
+
+  /// The density (1/sr) with which `sample` would choose the direction from `from` to the point `light` of an emissive object.
+  [[nodiscard]] double pdf(const Vec3d& from, const SurfacePoint& light) const;
+  /// The density (1/sr) with which `sample` would choose a direction that leaves the scene.
+  [[nodiscard]] double environment_pdf(const Vec3d& direction) const;
+
+  [[nodiscard]] const EnvironmentMap& environment() const { return environment_; }
+  /// Sum of the ambient lights' radiance.
+  [[nodiscard]] Rgb ambient() const { return ambient_; }
+
+ private:
+  enum class Kind { punctual, mesh, shape, environment };
+  struct Source {
+    Kind kind;
+    std::uint32_t index;  ///< light, or object
+    double power;         ///< W, for the choice among lights
+    std::vector<std::uint32_t> triangles;
+    std::vector<double> cdf;  ///< over `triangles`, from 0 to 1
+  };
+
+  void add_punctual();
+  void add_mesh(std::uint32_t object);
+  void add_shape(std::uint32_t object);
+  void add_environment();
+  void finish_choice();
+
+  [[nodiscard]] std::optional<LightSample> sample_punctual(const Source& source, const SurfacePoint& from) const;
+  [[nodiscard]] std::optional<LightSample> sample_mesh(const Source& source, const SurfacePoint& from, Vec2d u) const;
+  [[nodiscard]] std::optional<LightSample> sample_shape(const Source& source, const SurfacePoint& from, const Vec2d& u) const;
+  [[nodiscard]] std::optional<LightSample> sample_environment(const SurfacePoint& from, const Vec2d& u) const;
+  [[nodiscard]] std::optional<LightSample> towards(const SurfacePoint& from, const SurfacePoint& light, double area_pdf) const;
+  [[nodiscard]] double shape_pdf(const ShapeObject& object, const Vec3d& from, const SurfacePoint& light) const;
+
+  const Scene* scene_;
+  EnvironmentMap environment_;
+  Rgb ambient_{0};
+  double scene_radius_ = 1;
+  std::vector<Source> lights_;
+  std::vector<double> choice_cdf_;
+  std::vector<std::uint32_t> light_of_object_;          ///< into lights_, or none
+  std::vector<std::vector<float>> triangle_probability_;  ///< by light: chance of each triangle of the mesh
+};
+
+/// Whether an emissive point sends light towards `direction` (unit, away from it), by the rule of sides: from the front, and
+/// from the back when its material is double-sided.
+[[nodiscard]] bool emits_towards(const Material& material, const Vec3d& geometric_normal, const Vec3d& direction);
+
+}  // namespace penumbra
