@@ -29,8 +29,25 @@ struct SpecularSplit {
 /// away from the surface: `wo` to where light goes (the eye), `wi` to where it comes from.
 /// Reciprocal (up to the eta^2 of refraction, which is left out: radiance is stored divided by eta^2) and never
 /// reflects more than arrives.
+///
+/// The lobes, after glTF 2.0 with KHR_materials_{specular, ior, transmission}: three shares that sum to 1,
+///   metal        metallic: GGX with Schlick's Fresnel term, or the exact one of a conductor;
+///   opaque       (1 - metallic)(1 - transmission): a Lambertian base under a GGX layer with Schlick's Fresnel term.
+///   The
+///                base gets what the layer leaves, in the reciprocal form (1 - E(wo))(1 - E(wi))/(1 - mean E) of
+///                Kelemen & Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model", Eurographics 2001,
+///                as glTF's own mix exceeds 1 near grazing;
+///   transparent  (1 - metallic) transmission: a dielectric interface with exact Fresnel terms, tinted by the base
+///                colour on the way through; solid (Walter et al. 2007) or a thin plate that does not bend rays;
+/// and Whitted's constant mirror on top, which takes from the others only where the sum would exceed 1. GGX narrower
+/// than `ideal_alpha` is an ideal mirror or refraction. Light scattered more than once between microfacets is lost from
+/// the metal and transparent shares. Directions must lie on the same side of both the shading and the geometric normal,
+/// else nothing passes.
 class Bsdf {
  public:
+  /// GGX widths (roughness squared) below this scatter so little that the lobe is taken as ideal.
+  static constexpr double ideal_alpha = 1e-3;
+
   /// @param shading its normal is the shading normal; may lie on either side.
   /// @param geometric_normal unit, towards the front; tells front from back and inside from outside.
   Bsdf(const SurfaceMaterial& material, const Frame& shading, const Vec3d& geometric_normal);
@@ -53,9 +70,70 @@ class Bsdf {
   [[nodiscard]] bool has_spread() const;
 
  private:
+  /// What an interface does with light, of the transparent share.
+  struct Interface {
+    Rgb reflected{0};
+    Rgb transmitted{0};  ///< tint included
+  };
+  /// A pair of directions in the shading frame, turned so that wo lies at z > 0.
+  struct Pair {
+    Vec3d wo{0};
+    Vec3d wi{0};
+    bool from_front = true;    ///< wo is on the geometric front: outside
+    bool transmitted = false;  ///< wi is on the other side
+  };
+  /// Probabilities with which `sample` chooses its lobes, sum 1 (or all 0).
+  struct LobeChoice {
+    double mirror = 0;  ///< every ideal reflection
+    double glossy = 0;
+    double diffuse = 0;
+    double transmission = 0;
+  };
+
+  [[nodiscard]] std::optional<Pair> pair_of(const Vec3d& wo, const Vec3d& wi) const;
+  [[nodiscard]] Vec3d to_side(const Vec3d& w, bool front) const;
+  [[nodiscard]] Vec3d to_world(const Vec3d& local, bool front) const;
+  [[nodiscard]] bool bends() const;
+  [[nodiscard]] double index_of(bool front) const;
+
+  [[nodiscard]] Rgb metal_reflectance(double cos_theta) const;
+  [[nodiscard]] Interface interface(double cos_theta, bool from_front) const;
+  [[nodiscard]] Rgb specular_reflectance(double cos_theta, bool from_front) const;
+  [[nodiscard]] double layer_albedo(double cos_theta, bool ideal_layer) const;
+  [[nodiscard]] double layer_albedo_mean(bool ideal_layer) const;
+
+  [[nodiscard]] Rgb diffuse(const Pair& pair, bool ideal_layer) const;
+  [[nodiscard]] Rgb glossy(const Pair& pair) const;
+  [[nodiscard]] Rgb rough_transmission(const Pair& pair) const;
+  [[nodiscard]] Rgb evaluate_lobes(const Pair& pair, bool with_glossy, bool ideal_layer) const;
+
+  [[nodiscard]] LobeChoice lobe_choice(const Vec3d& wo, bool from_front) const;
+  [[nodiscard]] double pdf(const Pair& pair, const LobeChoice& choice) const;
+  [[nodiscard]] std::optional<Vec3d> sample_rough_transmission(const Vec3d& wo, bool from_front, const Vec2d& u) const;
+  [[nodiscard]] std::optional<BsdfSample> spread_sample(const Vec3d& wo, const Vec3d& local, const Vec3d& wi,
+                                                        bool front, const LobeChoice& choice) const;
+  [[nodiscard]] std::optional<BsdfSample> ideal_sample(const Vec3d& wo, const Vec3d& wi, bool transmitted,
+                                                       const Rgb& weight) const;
+  [[nodiscard]] std::optional<Vec3d> ideal_transmission(const Vec3d& wo, bool from_front) const;
+  [[nodiscard]] Rgb transmitted_weight(double cos_theta, bool from_front) const;
+  [[nodiscard]] bool splits(double roughness_limit) const { return ideal_ || material_.roughness <= roughness_limit; }
+
   SurfaceMaterial material_;
   Frame frame_;
   Vec3d geometric_normal_;
+
+  double alpha_ = 1;    ///< GGX width
+  bool ideal_ = false;  ///< GGX lobes are ideal
+  bool ideal_transmission_ = false;
+  bool has_specular_ = false;  ///< any lobe but the Lambertian base and the mirror
+  float metal_ = 0;            ///< the three shares
+  float opaque_ = 0;
+  float transparent_ = 0;
+  Rgb remaining_{1.0F};    ///< what the mirror leaves to the other lobes
+  Rgb dielectric_f0_{0};   ///< of the opaque share's layer; its f90 is `specular`
+  double layer_f0_ = 0;    ///< the largest band of it
+  double open_mean_ = 1;   ///< 1 - mean layer albedo
+  Rgb diffuse_colour_{0};  ///< Lambertian base of the opaque share
 };
 
 }  // namespace penumbra

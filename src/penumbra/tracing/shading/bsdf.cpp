@@ -1,0 +1,344 @@
+#include "penumbra/tracing/shading/bsdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "penumbra/math/sampling.h"
+#include "penumbra/tracing/shading/fresnel.h"
+#include "penumbra/tracing/shading/microfacet.h"
+#include "penumbra/tracing/shading/specular_albedo.h"
+
+namespace penumbra {
+namespace {
+
+using std::numbers::pi;
+
+constexpr Vec3d up(0, 0, 1);
+
+Vec3d mirrored_through_surface(const Vec3d& w) { return {w.x, w.y, -w.z}; }
+
+double mean(const Rgb& c) { return (static_cast<double>(c.x) + c.y + c.z) / 3; }
+
+Rgb clamp_share(const Rgb& c) { return glm::clamp(c, 0.0F, 1.0F); }
+
+/// Chance that is never 0 for a lobe that exists, as its reflectance off the mean direction may be larger.
+double with_floor(const Rgb& now, const Rgb& most) { return std::max(mean(now), 0.05 * mean(most)); }
+
+}  // namespace
+
+Bsdf::Bsdf(const SurfaceMaterial& material, const Frame& shading, const Vec3d& geometric_normal)
+    : material_(material), frame_(shading), geometric_normal_(geometric_normal) {
+  material_.base_colour = clamp_share(material_.base_colour);
+  material_.specular_colour = glm::max(material_.specular_colour, Rgb(0));
+  material_.mirror = clamp_share(material_.mirror);
+  material_.roughness = std::clamp(material_.roughness, 0.0F, 1.0F);
+  material_.specular = std::clamp(material_.specular, 0.0F, 1.0F);
+  const double roughness = material_.roughness;
+  alpha_ = roughness * roughness;
+  ideal_ = alpha_ < ideal_alpha;
+
+  metal_ = std::clamp(material_.metallic, 0.0F, 1.0F);
+  const float transmission = std::clamp(material_.transmission, 0.0F, 1.0F);
+  opaque_ = (1 - metal_) * (1 - transmission);
+  transparent_ = (1 - metal_) * transmission;
+  diffuse_colour_ = opaque_ * material_.base_colour;
+
+  const auto f0 = static_cast<float>(material_.ior == 0 ? 1.0 : normal_reflectance(1, material_.ior));
+  dielectric_f0_ = glm::min(f0 * material_.specular_colour, Rgb(1.0F)) * material_.specular;
+  layer_f0_ = max_component(dielectric_f0_);
+  open_mean_ = 1 - layer_albedo_mean(ideal_);
+  has_specular_ = metal_ > 0 || transparent_ > 0 || material_.specular > 0;
+  ideal_transmission_ = ideal_ || (!material_.thin_walled && !bends());
+
+  if (!is_black(material_.mirror)) {
+    for (int band = 0; band < 3; ++band) {
+      const float most = has_specular_ ? 1.0F : diffuse_colour_[band];
+      remaining_[band] = most + material_.mirror[band] > 1 ? (1 - material_.mirror[band]) / most : 1.0F;
+    }
+  }
+}
+
+// Sides and frames
+
+Vec3d Bsdf::to_side(const Vec3d& w, bool front) const {
+  const Vec3d local = frame_.to_local(w);
+  return front ? local : mirrored_through_surface(local);
+}
+
+Vec3d Bsdf::to_world(const Vec3d& local, bool front) const {
+  return frame_.to_world(front ? local : mirrored_through_surface(local));
+}
+
+std::optional<Bsdf::Pair> Bsdf::pair_of(const Vec3d& wo, const Vec3d& wi) const {
+  const double side_o = glm::dot(wo, geometric_normal_);
+  const double side_i = glm::dot(wi, geometric_normal_);
+  if (side_o == 0 || side_i == 0) return std::nullopt;
+  const bool front = side_o > 0;
+  Pair pair{to_side(wo, front), to_side(wi, front), front, front != (side_i > 0)};
+  if (!(pair.wo.z > 0) || !(pair.transmitted ? pair.wi.z < 0 : pair.wi.z > 0)) return std::nullopt;
+  return pair;
+}
+
+/// An interface without contrast passes rays straight, whatever its roughness.
+bool Bsdf::bends() const { return !material_.thin_walled && std::abs(material_.ior - 1) > 1e-4; }
+
+double Bsdf::index_of(bool front) const { return front ? 1.0 : material_.ior; }
+
+// Reflectances of the shares
+
+Rgb Bsdf::metal_reflectance(double cos_theta) const {
+  if (material_.conductor) {
+    const ConductorIor& n = *material_.conductor;
+    return {fresnel_conductor(cos_theta, n.eta.x, n.k.x).mean(), fresnel_conductor(cos_theta, n.eta.y, n.k.y).mean(),
+            fresnel_conductor(cos_theta, n.eta.z, n.k.z).mean()};
+  }
+  const auto edge = static_cast<float>(fresnel_schlick(cos_theta, 0, 1));
+  return material_.base_colour + (Rgb(1.0F) - material_.base_colour) * edge;
+}
+
+Bsdf::Interface Bsdf::interface(double cos_theta, bool from_front) const {
+  const double from = material_.thin_walled ? 1.0 : index_of(from_front);
+  const double to = material_.thin_walled ? material_.ior : index_of(!from_front);
+  const double fresnel = material_.ior == 0 ? 1.0 : fresnel_dielectric(cos_theta, from, to).mean();
+  Rgb r(1.0F);  // total reflection, which no tint of the layer weakens
+  if (fresnel < 1) {
+    r = glm::min(static_cast<float>(fresnel) * material_.specular_colour, Rgb(1.0F)) * material_.specular;
+  }
+  if (material_.thin_walled) r = 2.0F * r / (Rgb(1.0F) + r);  // both faces and all that bounces between them
+  return {r, (Rgb(1.0F) - r) * material_.base_colour};
+}
+
+Rgb Bsdf::specular_reflectance(double cos_theta, bool from_front) const {
+  Rgb r(0);
+  if (opaque_ > 0) {
+    const auto edge = static_cast<float>(fresnel_schlick(cos_theta, 0, 1));
+    r += opaque_ * (dielectric_f0_ + (Rgb(material_.specular) - dielectric_f0_) * edge);
+  }
+  if (metal_ > 0) r += metal_ * metal_reflectance(cos_theta);
+  if (transparent_ > 0) r += transparent_ * interface(cos_theta, from_front).reflected;
+  return r * remaining_;
+}
+
+double Bsdf::layer_albedo(double cos_theta, bool ideal_layer) const {
+  if (material_.specular == 0) return 0;
+  if (ideal_layer) return fresnel_schlick(cos_theta, layer_f0_, material_.specular);
+  return specular_albedo(material_.roughness, cos_theta).of(layer_f0_, material_.specular);
+}
+
+double Bsdf::layer_albedo_mean(bool ideal_layer) const {
+  if (material_.specular == 0) return 0;
+  if (ideal_layer) return layer_f0_ + (material_.specular - layer_f0_) / 21;
+  return specular_albedo_mean(material_.roughness).of(layer_f0_, material_.specular);
+}
+
+// Lobes with spread
+
+Rgb Bsdf::diffuse(const Pair& pair, bool ideal_layer) const {
+  const Rgb lambert = diffuse_colour_ * remaining_ / std::numbers::pi_v<float>;
+  if (material_.specular == 0) return lambert;
+  if (material_.ior == 0) return lambert * static_cast<float>(1 - layer_f0_);  // a layer that hides all below it
+  const double open = ideal_layer == ideal_ ? open_mean_ : 1 - layer_albedo_mean(ideal_layer);
+  if (open < 1e-6) return Rgb(0);
+  const double coupling =
+      (1 - layer_albedo(pair.wo.z, ideal_layer)) * (1 - layer_albedo(pair.wi.z, ideal_layer)) / open;
+  return lambert * static_cast<float>(coupling);
+}
+
+Rgb Bsdf::glossy(const Pair& pair) const {
+  const Ggx ggx(alpha_);
+  const Vec3d h = glm::normalize(pair.wo + pair.wi);
+  const double spread = ggx.distribution(h) * ggx.masking_shadowing(pair.wo, pair.wi) / (4 * pair.wo.z * pair.wi.z);
+  return specular_reflectance(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front) * static_cast<float>(spread);
+}
+
+Rgb Bsdf::rough_transmission(const Pair& pair) const {
+  const Ggx ggx(alpha_);
+  if (material_.thin_walled) {
+    // The lobe of a rough reflection, turned over to the other side.
+    const Vec3d wi = mirrored_through_surface(pair.wi);
+    const Vec3d h = glm::normalize(pair.wo + wi);
+    const double spread = ggx.distribution(h) * ggx.masking_shadowing(pair.wo, wi) / (4 * pair.wo.z * wi.z);
+    const Rgb share = interface(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front).transmitted;
+    return transparent_ * remaining_ * share * static_cast<float>(spread);
+  }
+  const double from = index_of(pair.from_front);
+  const double to = index_of(!pair.from_front);
+  Vec3d h = glm::normalize(from * pair.wo + to * pair.wi);
+  if (h.z < 0) h = -h;
+  const double cos_o = glm::dot(pair.wo, h);
+  const double cos_i = glm::dot(pair.wi, h);
+  if (!(cos_o > 0 && cos_i < 0)) return Rgb(0);
+  // Walter et al. 2007, eq. 21, times (to/from)^2 as radiance is stored divided by the index squared.
+  const double stretch = from * cos_o + to * cos_i;
+  const double spread = std::abs(cos_o * cos_i / (pair.wo.z * pair.wi.z)) * to * to * ggx.distribution(h) *
+                        ggx.masking(pair.wo) * ggx.masking(pair.wi) / (stretch * stretch);
+  const Rgb share = interface(std::min(1.0, cos_o), pair.from_front).transmitted;
+  return transparent_ * remaining_ * share * static_cast<float>(spread);
+}
+
+Rgb Bsdf::evaluate_lobes(const Pair& pair, bool with_glossy, bool ideal_layer) const {
+  if (pair.transmitted) {
+    return with_glossy && transparent_ > 0 && !ideal_transmission_ ? rough_transmission(pair) : Rgb(0);
+  }
+  Rgb f = diffuse(pair, ideal_layer);
+  if (with_glossy && has_specular_) f += glossy(pair);
+  return f;
+}
+
+Rgb Bsdf::evaluate(const Vec3d& wo, const Vec3d& wi) const {
+  const std::optional<Pair> pair = pair_of(wo, wi);
+  return pair ? evaluate_lobes(*pair, !ideal_, ideal_) : Rgb(0);
+}
+
+// Sampling
+
+Bsdf::LobeChoice Bsdf::lobe_choice(const Vec3d& wo, bool from_front) const {
+  LobeChoice choice;
+  const Rgb specular = has_specular_ ? specular_reflectance(wo.z, from_front) : Rgb(0);
+  choice.mirror = mean(ideal_ ? material_.mirror + specular : material_.mirror);
+  if (has_specular_ && !ideal_) choice.glossy = with_floor(specular, remaining_);
+  choice.diffuse = mean(diffuse_colour_ * remaining_) * (1 - layer_albedo(wo.z, ideal_));
+  if (material_.ior == 0) choice.diffuse = mean(diffuse_colour_ * remaining_) * (1 - layer_f0_);
+  if (transparent_ > 0) {
+    const Rgb most = transparent_ * remaining_ * material_.base_colour;
+    const Rgb now = transparent_ * remaining_ * interface(wo.z, from_front).transmitted;
+    choice.transmission = ideal_transmission_ ? mean(now) : with_floor(now, most);
+  }
+  const double sum = choice.mirror + choice.glossy + choice.diffuse + choice.transmission;
+  if (!(sum > 0)) return {};
+  return {choice.mirror / sum, choice.glossy / sum, choice.diffuse / sum, choice.transmission / sum};
+}
+
+double Bsdf::pdf(const Pair& pair, const LobeChoice& choice) const {
+  const Ggx ggx(alpha_);
+  // A visible normal's density over the directions mirrored in it: the Jacobian is 1/(4 wo.h).
+  const auto mirrored_pdf = [&](const Vec3d& wi) {
+    return ggx.masking(pair.wo) * ggx.distribution(glm::normalize(pair.wo + wi)) / (4 * pair.wo.z);
+  };
+  if (!pair.transmitted) {
+    double density = choice.diffuse * pair.wi.z / pi;
+    if (choice.glossy > 0) density += choice.glossy * mirrored_pdf(pair.wi);
+    return density;
+  }
+  if (ideal_transmission_ || choice.transmission == 0) return 0;
+  if (material_.thin_walled) return choice.transmission * mirrored_pdf(mirrored_through_surface(pair.wi));
+  const double from = index_of(pair.from_front);
+  const double to = index_of(!pair.from_front);
+  Vec3d h = glm::normalize(from * pair.wo + to * pair.wi);
+  if (h.z < 0) h = -h;
+  const double cos_o = glm::dot(pair.wo, h);
+  const double cos_i = glm::dot(pair.wi, h);
+  if (!(cos_o > 0 && cos_i < 0)) return 0;
+  const double stretch = from * cos_o + to * cos_i;
+  return choice.transmission * ggx.visible_normal_pdf(pair.wo, h) * to * to * -cos_i / (stretch * stretch);
+}
+
+double Bsdf::pdf(const Vec3d& wo, const Vec3d& wi) const {
+  const std::optional<Pair> pair = pair_of(wo, wi);
+  return pair ? pdf(*pair, lobe_choice(pair->wo, pair->from_front)) : 0;
+}
+
+std::optional<Vec3d> Bsdf::sample_rough_transmission(const Vec3d& wo, bool from_front, const Vec2d& u) const {
+  const Vec3d h = Ggx(alpha_).sample_visible_normal(wo, u);
+  if (material_.thin_walled) return mirrored_through_surface(reflect(wo, h));
+  return refract(wo, h, index_of(from_front), index_of(!from_front));
+}
+
+std::optional<BsdfSample> Bsdf::ideal_sample(const Vec3d& wo, const Vec3d& wi, bool transmitted,
+                                             const Rgb& weight) const {
+  const std::optional<Pair> pair = pair_of(wo, wi);
+  if (!pair || pair->transmitted != transmitted) return std::nullopt;
+  return BsdfSample{wi, weight, 0, true, transmitted};
+}
+
+std::optional<BsdfSample> Bsdf::sample(const Vec3d& wo, double u_lobe, const Vec2d& u) const {
+  const bool front = glm::dot(wo, geometric_normal_) > 0;
+  const Vec3d local = to_side(wo, front);
+  if (!(local.z > 0)) return std::nullopt;
+  const LobeChoice choice = lobe_choice(local, front);
+  if (choice.mirror + choice.glossy + choice.diffuse + choice.transmission == 0) return std::nullopt;
+
+  if (u_lobe < choice.mirror) {
+    const Rgb reflected = material_.mirror + (ideal_ ? specular_reflectance(local.z, front) : Rgb(0));
+    return ideal_sample(wo, to_world(reflect(local, up), front), false, reflected / static_cast<float>(choice.mirror));
+  }
+  u_lobe -= choice.mirror;
+  std::optional<Vec3d> wi;
+  if (u_lobe < choice.glossy) {
+    wi = reflect(local, Ggx(alpha_).sample_visible_normal(local, u));
+  } else if (u_lobe - choice.glossy < choice.diffuse || choice.transmission == 0) {
+    wi = sample_cosine_hemisphere(u);
+  } else if (ideal_transmission_) {
+    const Rgb through = transmitted_weight(local.z, front) / static_cast<float>(choice.transmission);
+    const std::optional<Vec3d> beyond = ideal_transmission(local, front);
+    return beyond ? ideal_sample(wo, to_world(*beyond, front), true, through) : std::nullopt;
+  } else {
+    wi = sample_rough_transmission(local, front, u);
+  }
+  return wi ? spread_sample(wo, local, *wi, front, choice) : std::nullopt;
+}
+
+std::optional<BsdfSample> Bsdf::spread_sample(const Vec3d& wo, const Vec3d& local, const Vec3d& wi, bool front,
+                                              const LobeChoice& choice) const {
+  const Vec3d direction = to_world(wi, front);
+  const std::optional<Pair> allowed = pair_of(wo, direction);
+  if (!allowed || allowed->transmitted != (wi.z < 0)) return std::nullopt;
+  const Pair pair{local, wi, front, wi.z < 0};
+  if (choice.diffuse == 1 && material_.specular == 0) {  // Lambert: what is known needs no division
+    return BsdfSample{direction, diffuse_colour_ * remaining_, wi.z / pi, false, false};
+  }
+  const double density = pdf(pair, choice);
+  if (!(density > 0)) return std::nullopt;
+  const Rgb weight = evaluate_lobes(pair, !ideal_, ideal_) * static_cast<float>(std::abs(wi.z) / density);
+  return BsdfSample{direction, weight, density, false, pair.transmitted};
+}
+
+// Ideal rays
+
+std::optional<Vec3d> Bsdf::ideal_transmission(const Vec3d& wo, bool from_front) const {
+  if (!bends()) return -wo;
+  return refract(wo, up, index_of(from_front), index_of(!from_front));
+}
+
+Rgb Bsdf::transmitted_weight(double cos_theta, bool from_front) const {
+  return transparent_ * remaining_ * interface(cos_theta, from_front).transmitted;
+}
+
+SpecularSplit Bsdf::specular_split(const Vec3d& wo, double roughness_limit) const {
+  SpecularSplit split;
+  const bool front = glm::dot(wo, geometric_normal_) > 0;
+  const Vec3d local = to_side(wo, front);
+  if (!(local.z > 0)) return split;
+  const bool smooth = splits(roughness_limit);
+  const Vec3d reflection = to_world(reflect(local, up), front);
+  if (const std::optional<Pair> pair = pair_of(wo, reflection); pair && !pair->transmitted) {
+    split.reflection_direction = reflection;
+    split.reflected = material_.mirror;
+    if (smooth && has_specular_) split.reflected += specular_reflectance(local.z, front);
+  }
+  if (transparent_ == 0 || !(smooth || ideal_transmission_)) return split;
+  const std::optional<Vec3d> beyond = ideal_transmission(local, front);
+  if (!beyond) return split;
+  const Vec3d refraction = to_world(*beyond, front);
+  if (const std::optional<Pair> pair = pair_of(wo, refraction); pair && pair->transmitted) {
+    split.refraction_direction = refraction;
+    split.refracted = transmitted_weight(local.z, front);
+  }
+  return split;
+}
+
+Rgb Bsdf::evaluate_unsplit(const Vec3d& wo, const Vec3d& wi, double roughness_limit) const {
+  const std::optional<Pair> pair = pair_of(wo, wi);
+  const bool smooth = splits(roughness_limit);
+  return pair ? evaluate_lobes(*pair, !smooth, smooth) : Rgb(0);
+}
+
+Rgb Bsdf::diffuse_reflectance() const {
+  if (material_.ior == 0) return diffuse_colour_ * remaining_ * static_cast<float>(1 - layer_f0_);
+  return diffuse_colour_ * remaining_ * static_cast<float>(1 - layer_albedo(1, ideal_));
+}
+
+bool Bsdf::has_spread() const { return !is_black(diffuse_colour_) || (has_specular_ && !ideal_); }
+
+}  // namespace penumbra
