@@ -4,11 +4,12 @@
 #include <cassert>
 
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/radiosity/patch_mesh.h"
 
 namespace penumbra {
 namespace {
 
-/// One unordered pair, packed until all rows' lengths are known.
+/// One unordered pair of surfaces, packed until all rows' lengths are known.
 struct PackedPair {
   std::uint32_t i, j;
   double exchange;
@@ -82,10 +83,9 @@ double FactorMatrix::row_sum(std::size_t i) const {
   return sum;
 }
 
-FactorMatrix assemble_factor_matrix(const FormFactorMethod& method, std::span<const double> areas,
-                                    const Progress& progress) {
+FactorMatrix assemble_factor_matrix(const FormFactorMethod& method, const PatchMesh& mesh, const Progress& progress) {
   FactorMatrix m;
-  m.areas.assign(areas.begin(), areas.end());
+  for (const PatchSurface& s : mesh.surfaces) m.areas.push_back(s.area);
   m.row_errors.assign(m.rows(), 0.0);
   m.row_dropped.assign(m.rows(), 0.0);
 
@@ -97,12 +97,13 @@ FactorMatrix assemble_factor_matrix(const FormFactorMethod& method, std::span<co
           auto& chunk = chunks.emplace_back();
           chunk.reserve(block.pairs.size());
           for (const PairFactor& p : block.pairs) {
-            chunk.push_back({p.i, p.j, p.exchange});
-            m.row_errors[p.i] += p.error;
-            m.row_errors[p.j] += p.error;
+            const std::uint32_t s = mesh.surface_of[p.i], t = mesh.surface_of[p.j];
+            chunk.push_back({s, t, p.exchange});
+            m.row_errors[s] += static_cast<double>(p.error);
+            m.row_errors[t] += static_cast<double>(p.error);
           }
         }
-        for (const DroppedExchange& d : block.dropped) m.row_dropped[d.patch] += d.exchange;
+        for (const DroppedExchange& d : block.dropped) m.row_dropped[mesh.surface_of[d.patch]] += d.exchange;
       },
       progress);
 
@@ -125,52 +126,6 @@ FactorMatrix assemble_factor_matrix(const FormFactorMethod& method, std::span<co
     if (!(m.areas[i] > 0)) continue;
     m.row_dropped[i] /= m.areas[i];
     m.row_errors[i] = m.row_errors[i] / m.areas[i] + m.row_dropped[i];
-  }
-  return m;
-}
-
-FactorMatrix merge_rows(const FactorMatrix& matrix, std::span<const std::uint32_t> surface_of,
-                        std::size_t surface_count) {
-  assert(surface_of.size() == matrix.rows());
-  FactorMatrix m;
-  m.partial = matrix.partial;
-  m.areas.assign(surface_count, 0.0);
-  m.row_errors.assign(surface_count, 0.0);
-  m.row_dropped.assign(surface_count, 0.0);
-  std::vector<std::vector<std::uint32_t>> parts(surface_count);
-  for (std::size_t i = 0; i < matrix.rows(); ++i) {
-    if (surface_of[i] == no_surface) continue;
-    const std::uint32_t s = surface_of[i];
-    parts[s].push_back(static_cast<std::uint32_t>(i));
-    m.areas[s] += matrix.areas[i];
-    m.row_errors[s] += matrix.areas[i] * matrix.row_errors[i];
-    m.row_dropped[s] += matrix.areas[i] * matrix.row_dropped[i];
-  }
-  std::vector<double> exchange(surface_count, 0.0);
-  std::vector<std::uint32_t> touched;
-  for (std::size_t s = 0; s < surface_count; ++s) {
-    touched.clear();
-    for (std::uint32_t i : parts[s]) {
-      const auto columns = matrix.row_columns(i);
-      const auto values = matrix.row_values(i);
-      for (std::size_t k = 0; k < columns.size(); ++k) {
-        const std::uint32_t t = surface_of[columns[k]];
-        if (t == no_surface || values[k] == 0) continue;
-        if (exchange[t] == 0) touched.push_back(t);
-        exchange[t] += matrix.areas[i] * values[k];
-      }
-    }
-    std::sort(touched.begin(), touched.end());
-    for (std::uint32_t t : touched) {
-      m.columns.push_back(t);
-      m.values.push_back(m.areas[s] > 0 ? exchange[t] / m.areas[s] : 0.0);
-      exchange[t] = 0;
-    }
-    m.offsets.push_back(m.columns.size());
-    if (m.areas[s] > 0) {
-      m.row_errors[s] /= m.areas[s];
-      m.row_dropped[s] /= m.areas[s];
-    }
   }
   return m;
 }

@@ -10,8 +10,9 @@
 
 namespace penumbra {
 
-/// All form factors of a mesh as compressed sparse rows: F_ij, the share (dimensionless, 0..1) of the power leaving
-/// patch i that arrives at patch j. Columns ascend within a row.
+/// All form factors of a mesh as compressed sparse rows, one a surface: F_ij, the share (dimensionless, 0..1) of the
+/// power leaving surface i that arrives at surface j. Columns ascend within a row. F_ii is stored only where a surface
+/// has several patches that see each other.
 struct FactorMatrix {
   std::vector<double> areas;              ///< m^2, per row
   std::vector<std::uint64_t> offsets{0};  ///< row i is columns/values [offsets[i], offsets[i + 1])
@@ -33,15 +34,9 @@ struct FactorMatrix {
   [[nodiscard]] double row_sum(std::size_t i) const;
 };
 
-/// Assembles the blocks of `method`. Peak memory is about 24 bytes a stored factor.
-[[nodiscard]] FactorMatrix assemble_factor_matrix(const FormFactorMethod& method, std::span<const double> areas,
+/// Assembles the blocks of `method`, made for `mesh`; a surface's factors are the area-weighted means of its patches'.
+/// Peak memory is about 24 bytes a stored factor.
+[[nodiscard]] FactorMatrix assemble_factor_matrix(const FormFactorMethod& method, const PatchMesh& mesh,
                                                   const Progress& progress = {});
-
-/// Merges rows into surfaces: `surface_of[i]` says which of `surface_count` surfaces row i belongs to, or
-/// `no_surface` for a row to leave out. A surface's factor is the area-weighted mean of its rows', and what its parts
-/// send to each other becomes F_ii. Rows with area 0 stay empty.
-[[nodiscard]] FactorMatrix merge_rows(const FactorMatrix& matrix, std::span<const std::uint32_t> surface_of,
-                                      std::size_t surface_count);
-inline constexpr std::uint32_t no_surface = 0xFFFFFFFFU;
 
 }  // namespace penumbra
