@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace penumbra::cli {
+
+// Each command takes the arguments after its name and returns an ExitCode. What fails is thrown: see exit_code.h.
+
+/// Draws a picture of a scene.
+[[nodiscard]] int run_render(const std::vector<std::string>& arguments);
+/// Measures how far two pictures lie apart.
+[[nodiscard]] int run_compare(const std::vector<std::string>& arguments);
+/// Lists the built-in scenes, or writes one as a file.
+[[nodiscard]] int run_scene(const std::vector<std::string>& arguments);
+
+}  // namespace penumbra::cli

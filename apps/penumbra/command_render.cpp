@@ -1,0 +1,120 @@
+#include <fmt/core.h>
+
+#include "command.h"
+#include "console.h"
+#include "exit_code.h"
+#include "interrupt.h"
+#include "penumbra/parallel/parallel_for.h"
+#include "render_arguments.h"
+#include "report.h"
+
+namespace penumbra::cli {
+namespace {
+
+/// Where the time of a render went, s.
+struct Seconds {
+  double load = 0, build = 0, render = 0, write = 0;
+};
+
+double rays_per_second(const RenderResult& result) {
+  return result.seconds > 0 ? static_cast<double>(result.rays.total()) / result.seconds : 0;
+}
+
+RenderResult draw(const RenderArguments& arguments, const RayTracer& tracer, const Camera& camera, Interrupt& interrupt,
+                  Console& console) {
+  const Progress progress{[&](std::string_view stage, double fraction) { console.progress(stage, fraction); },
+                          interrupt.token()};
+  interrupt.something_to_keep();
+  return render(tracer, camera, arguments.render, progress);
+}
+
+void describe(const RenderArguments& arguments, const Camera& camera, const RenderResult& result, Image& image) {
+  image.metadata = camera_metadata(camera);
+  image.metadata["renderer"] = "penumbra " PENUMBRA_VERSION;
+  image.metadata["scene"] = arguments.scene.source;
+  image.metadata["integrator"] = arguments.integrator;
+  image.metadata["samples_per_pixel"] = fmt::format("{}", result.mean_samples);
+  image.metadata["seed"] = fmt::format("{}", arguments.render.seed);
+  image.metadata["partial"] = result.partial ? "true" : "false";
+}
+
+Report report_on(const RenderArguments& arguments, const RenderResult& result, const RayTracer& tracer,
+                 const Seconds& seconds) {
+  const RayCounts& rays = result.rays;
+  return {
+      {"command", "render"},
+      {"version", PENUMBRA_VERSION},
+      {"scene", arguments.scene.source},
+      {"output", arguments.picture.path},
+      {"integrator", arguments.integrator},
+      {"seed", arguments.render.seed},
+      {"seconds",
+       {{"load", seconds.load}, {"build", seconds.build}, {"render", seconds.render}, {"write", seconds.write}}},
+      {"rays",
+       {{"primary", rays.primary},
+        {"shadow", rays.shadow},
+        {"reflection", rays.reflection},
+        {"refraction", rays.refraction},
+        {"diffuse", rays.diffuse},
+        {"total", rays.total()}}},
+      {"rays_by_depth", rays.by_depth},
+      {"rays_per_second", rays_per_second(result)},
+      {"triangles", tracer.triangle_count()},
+      {"threads", thread_count()},
+      {"peak_rss_bytes", peak_memory()},
+      {"image", {{"width", result.image.width}, {"height", result.image.height}, {"spp_mean", result.mean_samples}}},
+      {"partial", result.partial}};
+}
+
+void say_result(const RenderArguments& arguments, const RenderResult& result, Console& console) {
+  if (result.partial) {
+    console.insist(fmt::format("{}: partial picture, {:.3g} of {} samples a pixel were drawn", arguments.picture.path,
+                               result.mean_samples, arguments.render.samples_per_pixel));
+  }
+  console.say(fmt::format("{}: {}x{}, {:.4g} samples a pixel ({}), {:.2f} s, {:.2f} Mrays/s", arguments.picture.path,
+                          result.image.width, result.image.height, result.mean_samples, arguments.integrator,
+                          result.seconds, rays_per_second(result) / 1e6));
+}
+
+int render_picture(const RenderArguments& arguments) {
+  Console console(arguments.common);
+  Interrupt interrupt;  // before the first thread of the work
+  const ThreadLimit limit(arguments.common.threads);
+  Seconds seconds;
+
+  const Stopwatch load_watch;
+  console.progress("load", 0);
+  std::vector<std::string> warnings;
+  const Scene scene = load_scene(arguments.scene, warnings);
+  console.warn(warnings);
+  seconds.load = load_watch.seconds();
+
+  const Stopwatch build_watch;
+  console.progress("build", 0);
+  const RayTracer tracer(scene);
+  const double aspect = static_cast<double>(arguments.render.width) / arguments.render.height;
+  const Camera camera = choose_camera(arguments.camera, tracer, aspect, arguments.scene.source);
+  seconds.build = build_watch.seconds();
+
+  const Stopwatch render_watch;
+  RenderResult result = draw(arguments, tracer, camera, interrupt, console);
+  seconds.render = render_watch.seconds();
+
+  const Stopwatch write_watch;
+  describe(arguments, camera, result, result.image);
+  write_picture(arguments.picture, result.image);
+  seconds.write = write_watch.seconds();
+
+  say_result(arguments, result, console);
+  write_report(arguments.common, report_on(arguments, result, tracer, seconds));
+  return interrupt.requested() ? exit_interrupted : exit_done;
+}
+
+}  // namespace
+
+int run_render(const std::vector<std::string>& arguments) {
+  const auto parsed = parse_render_arguments(arguments);
+  return parsed ? render_picture(*parsed) : exit_done;
+}
+
+}  // namespace penumbra::cli

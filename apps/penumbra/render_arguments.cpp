@@ -1,0 +1,180 @@
+#include "render_arguments.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "penumbra/image/image_io.h"
+#include "report.h"
+
+namespace penumbra::cli {
+namespace {
+
+constexpr int usual_samples = 4;
+constexpr int usual_path_samples = 64;
+constexpr int most = std::numeric_limits<int>::max();
+
+const std::vector<std::pair<std::string, IntegratorKind>> integrators{
+    {"appel", IntegratorKind::appel}, {"whitted", IntegratorKind::whitted}, {"path", IntegratorKind::path}};
+const std::vector<std::pair<std::string, FilterKind>> filters{{"box", FilterKind::box},
+                                                              {"tent", FilterKind::tent},
+                                                              {"gaussian", FilterKind::gaussian},
+                                                              {"mitchell", FilterKind::mitchell},
+                                                              {"blackman-harris", FilterKind::blackman_harris}};
+const std::vector<std::pair<std::string, Aov>> layers{
+    {"albedo", Aov::albedo},     {"normal", Aov::normal},     {"depth", Aov::depth},
+    {"position", Aov::position}, {"object", Aov::object},     {"direct", Aov::direct},
+    {"indirect", Aov::indirect}, {"variance", Aov::variance}, {"rays", Aov::rays}};
+
+/// Options that not every method has, as far as the user gave them.
+struct Given {
+  std::optional<int> samples, max_depth;
+  std::optional<double> min_throughput;
+};
+
+void take_size(const OptionValue& value, RenderOptions& options) {
+  const std::size_t cross = value.text.find('x');
+  try {
+    if (cross == std::string::npos) throw UsageError("no x");
+    options.width = static_cast<int>(whole_number({"", value.text.substr(0, cross)}, 1, max_image_side, ""));
+    options.height = static_cast<int>(whole_number({"", value.text.substr(cross + 1)}, 1, max_image_side, ""));
+  } catch (const UsageError&) {
+    throw UsageError(fmt::format("{} takes WIDTHxHEIGHT in pixels, each from 1 to {}, such as 800x600, not '{}'",
+                                 value.option, max_image_side, value.text));
+  }
+}
+
+Region region(const OptionValue& value) {
+  constexpr const char* what = "four whole numbers x0,y0,x1,y1 in pixels, such as 0,0,400,300";
+  const auto n = number_list(value, 4, what);
+  const auto whole = [](double v) { return v == static_cast<int>(std::clamp(v, -1.0, 1e6)); };
+  if (!std::all_of(n.begin(), n.end(), whole))
+    throw UsageError(fmt::format("{} takes {}, not '{}'", value.option, what, value.text));
+  return {static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(n[2]), static_cast<int>(n[3])};
+}
+
+double positive(const OptionValue& value, const char* what) {
+  const double number = real_number(value, what);
+  if (number <= 0) throw UsageError(fmt::format("{} takes {}, not '{}'", value.option, what, value.text));
+  return number;
+}
+
+double throughput(const OptionValue& value) {
+  const double bound = real_number(value, "a share of the light from 0 to 1");
+  if (bound < 0 || bound > 1)
+    throw UsageError(fmt::format("{} takes a share of the light from 0 to 1, not '{}'", value.option, value.text));
+  return bound;
+}
+
+std::vector<Aov> aovs(const OptionValue& value) {
+  std::vector<Aov> wanted;
+  for (const std::string& name : split_at_commas(value.text)) {
+    const Aov layer = choice<Aov>({value.option, name}, layers);
+    if (std::find(wanted.begin(), wanted.end(), layer) == wanted.end()) wanted.push_back(layer);
+  }
+  return wanted;
+}
+
+void add_picture_shape_options(OptionParser& parser, RenderOptions& options) {
+  parser.value("--size", "WxH", "width and height in pixels (default: 800x600)",
+               [&](const OptionValue& v) { take_size(v, options); });
+  parser.value("--region", "x0,y0,x1,y1",
+               "draw these pixels only: from x0,y0 to before x1,y1, with 0,0 at the top left (default: all)",
+               [&](const OptionValue& v) { options.region = region(v); });
+  parser.value(
+      "--aov", "LIST",
+      "layers to add to an .exr, with commas between: albedo, normal, depth (m), position (m), object, direct, "
+      "indirect, variance, rays (default: none)",
+      [&](const OptionValue& v) { options.aovs = aovs(v); });
+}
+
+void add_method_options(OptionParser& parser, RenderArguments& arguments, Given& given) {
+  RenderOptions& options = arguments.render;
+  parser.group("Method");
+  parser.value(
+      "--integrator", "NAME",
+      "appel (primary and shadow rays), whitted (adds reflection and refraction) or path (the reference: all light "
+      "paths) (default: whitted)",
+      [&](const OptionValue& v) {
+        options.integrator = choice<IntegratorKind>(v, integrators);
+        arguments.integrator = v.text;
+      });
+  parser.value("--spp", "N", "samples a pixel (default: 4; 64 for path)",
+               [&](const OptionValue& v) { given.samples = static_cast<int>(whole_number(v, 1, most, "samples")); });
+  parser.value("--filter", "NAME",
+               "how samples become pixels: box, tent, gaussian, mitchell or blackman-harris (default: box)",
+               [&](const OptionValue& v) { options.filter = choice<FilterKind>(v, filters); });
+  parser.value("--max-depth", "N",
+               "longest path after the primary ray, in segments (default: 16 for whitted, no limit for path)",
+               [&](const OptionValue& v) { given.max_depth = static_cast<int>(whole_number(v, 1, most, "segments")); });
+  parser.value("--min-throughput", "X",
+               "share of the light, 0 to 1: whitted ends a ray that weighs less, path starts Russian roulette there "
+               "(default: 0.001)",
+               [&](const OptionValue& v) { given.min_throughput = throughput(v); });
+  parser.flag("--opaque-shadows", "glass stops shadow rays, for appel and whitted (default: it attenuates them)",
+              options.opaque_shadows);
+  parser.value("--time-limit", "SECONDS", "stop after this time and keep the samples done by then (default: none)",
+               [&](const OptionValue& v) { options.time_limit = positive(v, "a number of seconds above 0"); });
+}
+
+void apply(const Given& given, const std::string& integrator, RenderOptions& options) {
+  const bool path = options.integrator == IntegratorKind::path;
+  const bool appel = options.integrator == IntegratorKind::appel;
+  options.samples_per_pixel = given.samples.value_or(path ? usual_path_samples : usual_samples);
+  const auto refuse = [&](const char* option, const char* reason) {
+    throw UsageError(
+        fmt::format("{} does not apply to --integrator {}, {}; leave it away", option, integrator, reason));
+  };
+  if (path && options.opaque_shadows) refuse("--opaque-shadows", "which finds the light through glass by itself");
+  if (appel && given.max_depth) refuse("--max-depth", "which follows no reflection or refraction");
+  if (appel && given.min_throughput) refuse("--min-throughput", "which follows no reflection or refraction");
+  options.max_depth = given.max_depth.value_or(options.max_depth);
+  options.min_throughput = given.min_throughput.value_or(options.min_throughput);
+}
+
+void check_region(const RenderOptions& options) {
+  if (!options.region) return;
+  const auto [x0, y0, x1, y1] = *options.region;
+  const bool inside = x0 >= 0 && y0 >= 0 && x0 < x1 && y0 < y1 && x1 <= options.width && y1 <= options.height;
+  if (inside) return;
+  throw UsageError(
+      fmt::format("--region {},{},{},{} is no part of a picture of {}x{}; it takes x0 < x1 <= {} and y0 < y1 <= {}", x0,
+                  y0, x1, y1, options.width, options.height, options.width, options.height));
+}
+
+void check_all(const RenderArguments& arguments) {
+  check(arguments.scene);
+  check(arguments.camera);
+  check_region(arguments.render);
+  check(arguments.picture);
+  if (!arguments.render.aovs.empty() && !holds_layers(arguments.picture)) {
+    throw UsageError("--aov needs a file that holds layers; write -o NAME.exr instead of " + arguments.picture.path);
+  }
+  if (arguments.common.stats == arguments.picture.path) {
+    throw UsageError("--stats and -o both name " + arguments.picture.path + "; give the report a name of its own");
+  }
+  check_report(arguments.common);
+}
+
+}  // namespace
+
+std::optional<RenderArguments> parse_render_arguments(const std::vector<std::string>& arguments) {
+  RenderArguments result;
+  Given given;
+  OptionParser parser("render", "SCENE -o IMAGE [options]", "draws a picture of a scene");
+  add_picture_options(parser, result.picture);
+  add_picture_shape_options(parser, result.render);
+  add_method_options(parser, result, given);
+  add_camera_options(parser, result.camera);
+  add_scene_options(parser, result.scene);
+  add_common_options(parser, result.common);
+  parser.examples({"penumbra render builtin:cornell-box --integrator path --size 512x512 --spp 256 -o cornell.png",
+                   "penumbra render model.glb --eye 3,2,4 --look-at 0,1,0 --fov 35 --aov normal,depth -o model.exr"});
+  if (!parser.parse(arguments)) return std::nullopt;
+  apply(given, result.integrator, result.render);
+  result.render.seed = result.common.seed;
+  result.render.front_sides_only = result.scene.front_sides_only;
+  check_all(result);
+  return result;
+}
+
+}  // namespace penumbra::cli

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_options.h"
+#include "common_options.h"
+#include "penumbra/render/render.h"
+#include "picture_file.h"
+#include "scene_options.h"
+
+namespace penumbra::cli {
+
+/// Everything that `penumbra render` was asked for.
+struct RenderArguments {
+  SceneOptions scene;
+  CameraOptions camera;
+  PictureFile picture;
+  RenderOptions render;
+  CommonOptions common;
+  std::string integrator = "whitted";  ///< as the user named it
+};
+
+/// Reads and checks the arguments; none when the user asked for help. Throws UsageError, FileError.
+[[nodiscard]] std::optional<RenderArguments> parse_render_arguments(const std::vector<std::string>& arguments);
+
+}  // namespace penumbra::cli

@@ -1,0 +1,117 @@
+#include "scene_options.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "penumbra/file/file_error.h"
+#include "penumbra/image/image_io.h"
+#include "penumbra/io/scene_reader.h"
+#include "penumbra/render/framing.h"
+
+namespace penumbra::cli {
+namespace {
+
+const std::vector<std::pair<std::string, double>> units{{"mm", 0.001}, {"cm", 0.01}, {"m", 1.0}, {"in", 0.0254}};
+const std::vector<std::pair<std::string, bool>> sides{{"both", false}, {"front", true}};
+
+bool is_builtin(const std::string& source) { return source.starts_with("builtin:"); }
+
+bool knows_its_unit(const std::string& source) {
+  const std::string extension = std::filesystem::path(source).extension().string();
+  return is_builtin(source) || extension == ".glb" || extension == ".gltf";
+}
+
+/// Red, green and blue of a picture by their names, or its only channel three times.
+TextureImage environment_image(const std::string& path) {
+  const Image picture = read_image(path);
+  const auto channel = [&](const char* name, std::size_t otherwise) {
+    const auto found = std::find(picture.channels.begin(), picture.channels.end(), name);
+    const auto at = static_cast<std::size_t>(found - picture.channels.begin());
+    return at < picture.channels.size() ? at : std::min(otherwise, picture.channels.size() - 1);
+  };
+  const std::size_t from[] = {channel("R", 0), channel("G", 1), channel("B", 2)};
+  std::vector<float> texels;
+  texels.reserve(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3);
+  for (std::size_t at = 0; at < picture.data.size(); at += picture.channels.size()) {
+    for (const std::size_t c : from) texels.push_back(picture.data[at + c]);
+  }
+  const auto is_radiance = [](float v) { return v >= 0 && v <= std::numeric_limits<float>::max(); };
+  if (!std::all_of(texels.begin(), texels.end(), is_radiance)) {
+    throw FileError(path, "",
+                    "holds negative or non-finite values, so it cannot be an environment; repair the picture");
+  }
+  return {.name = path, .width = picture.width, .height = picture.height, .channels = 3, .texels = std::move(texels)};
+}
+
+bool looks_like_numbers(const std::string& text) {
+  return text.find_first_not_of("0123456789+-.,eE") == std::string::npos;
+}
+
+Environment make_environment(const std::string& argument, Scene& scene) {
+  if (!looks_like_numbers(argument)) {
+    scene.images.push_back(environment_image(argument));
+    return {.radiance = Rgb(1.0F), .image = static_cast<std::uint32_t>(scene.images.size() - 1)};
+  }
+  const Vec3d radiance =
+      triple({"--environment", argument}, "a radiance R,G,B in W/(m^2 sr), such as 1,1,1, or a picture");
+  if (radiance.x < 0 || radiance.y < 0 || radiance.z < 0) {
+    throw UsageError("--environment takes a radiance of 0 or more in each band, not '" + argument + "'");
+  }
+  return {.radiance = Rgb(radiance), .image = std::nullopt};
+}
+
+}  // namespace
+
+void check(const SceneOptions& options) {
+  if (options.source.empty())
+    throw UsageError("no SCENE given; name a .glb, .gltf or .obj file, or builtin:cornell-box");
+  if (options.unit && knows_its_unit(options.source)) {
+    throw UsageError("--unit does not apply to " + options.source +
+                     ", which is in metres by definition; leave it away");
+  }
+  if (options.photometric && is_builtin(options.source)) {
+    throw UsageError("--photometric does not apply to " + options.source +
+                     ", whose emission is in W/(m^2 sr); leave it away");
+  }
+}
+
+void add_scene_options(OptionParser& parser, SceneOptions& options) {
+  parser.positional("SCENE", "a .glb, .gltf or .obj file, or builtin:NAME?key=value (penumbra scene --list shows them)",
+                    options.source);
+  parser.group("Scene");
+  parser.value("--unit", "mm|cm|m|in", "length of one unit of an OBJ file (default: m); glTF is in metres",
+               [&](const OptionValue& v) { options.unit = choice<double>(v, units); });
+  parser.value("--environment", "R,G,B|FILE",
+               "light from everywhere outside: a radiance in W/(m^2 sr), or a latitude-longitude picture (.hdr, .exr, "
+               ".png; +Y up, "
+               "its centre towards -Z) (default: the scene's own; 1,1,1 when the scene has no light at all)",
+               [&](const OptionValue& v) { options.environment = v.text; });
+  parser.value("--sides", "both|front",
+               "which sides of surfaces reflect; with front, backs are black and opaque (default: both)",
+               [&](const OptionValue& v) { options.front_sides_only = choice<bool>(v, sides); });
+  parser.flag("--photometric",
+              "the file's emission is in nit: divide it by 683 lm/W (default: it is radiance in W/(m^2 sr))",
+              options.photometric);
+}
+
+Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings) {
+  LoadedScene loaded = read_scene(options.source, options.unit.value_or(1.0));
+  Scene scene = std::move(loaded.scene);
+  warnings.insert(warnings.end(), loaded.warnings.begin(), loaded.warnings.end());
+  if (options.photometric) {
+    constexpr float lumens_per_watt = 683;  // CIE: the luminous efficacy K_cd, lm/W
+    for (Material& material : scene.materials) material.emission /= lumens_per_watt;
+  }
+  if (options.environment) {
+    scene.environment = make_environment(*options.environment, scene);
+  } else if (!is_lit(scene)) {
+    scene.environment = Environment{};
+    warnings.push_back(options.source +
+                       ": has no light, so a uniform white environment of radiance 1 lights it; --environment "
+                       "R,G,B|FILE sets another");
+  }
+  return scene;
+}
+
+}  // namespace penumbra::cli

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "option_parser.h"
+#include "penumbra/scene/scene.h"
+
+namespace penumbra::cli {
+
+/// The SCENE of a command and how to read it.
+struct SceneOptions {
+  std::string source;                      ///< a path, or "builtin:NAME?key=value"
+  std::optional<double> unit;              ///< metres per file unit
+  std::optional<std::string> environment;  ///< "R,G,B" or a picture's path
+  bool front_sides_only = false;
+  bool photometric = false;
+};
+
+/// Adds SCENE and its options. `options` must outlive `parser`'s last parse.
+void add_scene_options(OptionParser& parser, SceneOptions& options);
+
+/// Throws UsageError when an option does not fit the scene's format.
+void check(const SceneOptions& options);
+
+/// Reads the scene, turns photometric emission into radiance, and sets its environment; a scene without any light gets
+/// a white one, with a warning. Throws FileError, UsageError, std::invalid_argument.
+[[nodiscard]] Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings);
+
+}  // namespace penumbra::cli
