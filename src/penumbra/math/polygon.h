@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -11,7 +9,7 @@ namespace penumbra {
 
 // Planar polygons as spans of corners, in order, without repeating the first. Counter-clockwise seen from the front:
 // the normal points to the viewer. Lengths in metres, areas in m^2. Nothing here allocates except into `out` vectors,
-// whose capacity is reused, and the functions that say so.
+// whose capacity is reused.
 
 /// The oriented plane dot(normal, p) = offset. `normal` is unit; its side is the front, the side of the half-space.
 struct Plane3 {
@@ -67,19 +65,5 @@ void project_polygon(std::span<const Vec3d> polygon, const Plane3& plane, std::v
 /// Coordinates of each corner in the frame (x_axis, y_axis) with its origin at `origin`.
 void project_polygon_2d(std::span<const Vec3d> polygon, const Vec3d& origin, const Vec3d& x_axis, const Vec3d& y_axis,
                         std::vector<Vec2d>& out);
-
-/// Ear clipping (Meisters 1975): n - 2 triangles of corner numbers, oriented as the polygon. Allocates. Works on simple
-/// polygons, concave too, and on nearly planar ones. Corners in a straight line may give triangles without area.
-[[nodiscard]] std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(std::span<const Vec3d> polygon);
-
-/// Convex pieces of a simple polygon as rings of corner numbers, oriented as the polygon: the triangles merged across
-/// inner edges while that stays convex (Hertel & Mehlhorn 1983), at most four times the fewest possible. One ring, the
-/// polygon itself, when it is convex. Allocates.
-[[nodiscard]] std::vector<std::vector<std::uint32_t>> convex_pieces(std::span<const Vec3d> polygon);
-
-/// What remains of convex `polygon` when the coplanar convex `hole` is cut out, as disjoint convex pieces that have
-/// the orientation of `polygon`; `hole` may have either orientation and may stick out. Allocates.
-[[nodiscard]] std::vector<std::vector<Vec3d>> subtract_convex(std::span<const Vec3d> polygon,
-                                                              std::span<const Vec3d> hole);
 
 }  // namespace penumbra
