@@ -10,7 +10,7 @@ namespace penumbra {
 
 /// Vectors that `exchange_area` may reuse from call to call; one for each thread.
 struct ExchangeAreaScratch {
-  std::vector<Vec3d> first, second, clipped;
+  std::vector<Vec3d> first, second, clipped_first, clipped_second;
   std::vector<WeightedPoint> first_rule, second_rule;
 };
 

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "penumbra/math/bounds.h"
+#include "penumbra/math/polygon.h"
+#include "penumbra/math/vec.h"
+#include "penumbra/radiosity/patch_mesh.h"
+
+namespace penumbra {
+
+/// Convex polygons that hide what lies behind them, from either side.
+///
+/// Each is moved and grown by about 1e-8 of its size, by amounts of its own, so that no edge of one lies exactly on an
+/// edge of another or of a patch: then the contours of what is hidden close without special cases (simulation of
+/// general position). `slack` bounds that motion: what lies within it of a plane counts as lying on it.
+struct OccluderPolygons {
+  std::vector<std::uint32_t> corner_offsets{0};
+  std::vector<Vec3d> corners;  ///< counter-clockwise around the plane's normal
+  std::vector<Plane3> planes;
+  std::vector<Bounds> bounds;
+  std::vector<double> slack;  ///< m
+
+  [[nodiscard]] std::size_t size() const { return planes.size(); }
+  [[nodiscard]] std::span<const Vec3d> polygon(std::size_t k) const {
+    return std::span(corners).subspan(corner_offsets[k], corner_offsets[k + 1] - corner_offsets[k]);
+  }
+};
+
+/// The patches of a mesh as few convex polygons: connected coplanar patches are merged when `merge` says so, plates
+/// with two sides count once, and what lies on the convex hull is left out, since nothing can be behind it.
+[[nodiscard]] OccluderPolygons make_occluder_polygons(const PatchMesh& mesh, bool merge = true);
+
+}  // namespace penumbra
