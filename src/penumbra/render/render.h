@@ -22,6 +22,9 @@ enum class IntegratorKind {
 
 enum class FilterKind { box, tent, gaussian, mitchell, blackman_harris };
 
+/// The largest width or height of a picture, pixels.
+inline constexpr int max_render_side = 32768;
+
 /// Which rectangle of the picture to draw, pixels, [x0, x1) x [y0, y1).
 struct Region {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;

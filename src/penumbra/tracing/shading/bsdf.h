@@ -66,6 +66,8 @@ class Bsdf {
 
   /// Diffuse reflectance under normal incidence, 0..1: what ambient light is multiplied by, and the albedo layer.
   [[nodiscard]] Rgb diffuse_reflectance() const;
+  /// Unit; the |cos| of f |cos| is taken about it.
+  [[nodiscard]] const Vec3d& shading_normal() const { return frame_.normal; }
   /// Whether any lobe has spread, so that shadow rays can bring light.
   [[nodiscard]] bool has_spread() const;
 

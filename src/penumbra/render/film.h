@@ -1,0 +1,70 @@
+#pragma once
+
+#include <vector>
+
+#include "penumbra/image/image.h"
+#include "penumbra/render/render.h"
+
+namespace penumbra {
+
+/// What one camera ray saw.
+struct PixelEstimate {
+  Rgb radiance{0};
+  Rgb direct{0};                ///< the part that came from a light by at most one surface (emission seen included)
+  Rgb albedo{0};                ///< of the first surface
+  Vec3f normal{0};              ///< shading normal of the first surface, world
+  Vec3f position{0};            ///< of the first surface, world, m
+  float depth = 0;              ///< distance to the first surface along the ray, m; infinite where there is none
+  float object = -1;            ///< number of the first surface's object; -1 where there is none
+  float rays = 0;               ///< traced for this sample
+};
+
+/// Sums of samples, pixel by pixel. Different pixels may be written at once.
+///
+/// Colour, albedo, normal and rays are means over the samples; position, depth and object are those of the first sample, since
+/// their means mean nothing. Variance is that of the pixel's mean.
+class Film {
+ public:
+  Film(int width, int height, std::vector<Aov> aovs);
+
+  /// Whether more than colour is to be recorded.
+  [[nodiscard]] bool has_layers() const { return !aovs_.empty(); }
+
+  /// Adds a sample. @param weight of the reconstruction filter.
+  void add(int x, int y, const PixelEstimate& estimate, float weight) {
+    Pixel& p = pixels_[index(x, y)];
+    const Vec3d c = Vec3d(weight * estimate.radiance);
+    p.radiance += c;
+    ++p.samples;
+    if (!layers_.empty()) add_layers(x, y, estimate, c);
+  }
+
+  [[nodiscard]] double mean_samples() const;
+
+  /// The picture so far; pixels without a sample are black.
+  [[nodiscard]] Image develop() const;
+
+ private:
+  struct Pixel {
+    Vec3d radiance{0};
+    int samples = 0;
+  };
+  struct Layers {
+    Vec3d squares{0}, direct{0}, albedo{0}, normal{0};
+    double rays = 0;
+    Vec3f position{0};
+    float depth = 0, object = -1;
+  };
+
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+  void add_layers(int x, int y, const PixelEstimate& estimate, const Vec3d& weighted);
+
+  int width_, height_;
+  std::vector<Aov> aovs_;
+  std::vector<Pixel> pixels_;
+  std::vector<Layers> layers_;
+};
+
+}  // namespace penumbra

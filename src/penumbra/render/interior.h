@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+
+#include "penumbra/tracing/hit.h"
+#include "penumbra/tracing/shading/fresnel.h"
+#include "penumbra/scene/scene.h"
+
+namespace penumbra {
+
+/// The transparent solids that a ray is inside of, innermost last; each absorbs along the way (Beer-Lambert).
+class Interior {
+ public:
+  /// What is left of light after the segment that ends at `point`: by the innermost solid, or, when none was entered (the
+  /// camera may stand inside one), by the solid whose inside was hit.
+  [[nodiscard]] Rgb transmittance(const Scene& scene, const SurfacePoint& point, bool hit_front, double distance) const {
+    if (depth_ > 0) return absorb(scene.materials[solids_[depth_ - 1]], distance);
+    const Material& hit = scene.materials[point.material];
+    if (!hit_front && is_solid_glass(hit)) return absorb(hit, distance);
+    return Rgb(1);
+  }
+
+  /// Notes that the ray goes on from `point` towards `direction`, through the surface when `transmitted`.
+  void cross(const Scene& scene, const SurfacePoint& point, const Vec3d& direction, bool transmitted) {
+    if (!transmitted || !is_solid_glass(scene.materials[point.material])) return;
+    if (dot(point.geometric_normal, direction) < 0) {
+      if (depth_ < solids_.size()) solids_[depth_++] = point.material;
+      return;
+    }
+    // Solids may overlap: the one that ends is the last entered of its material.
+    for (std::size_t i = depth_; i-- > 0;) {
+      if (solids_[i] != point.material) continue;
+      for (std::size_t k = i + 1; k < depth_; ++k) solids_[k - 1] = solids_[k];
+      --depth_;
+      return;
+    }
+  }
+
+ private:
+  static bool is_solid_glass(const Material& m) { return m.transmission > 0 && !m.thin_walled; }
+  static Rgb absorb(const Material& m, double distance) {
+    return volume_transmittance(m.attenuation_colour, m.attenuation_distance, distance);
+  }
+
+  std::array<std::uint32_t, 8> solids_{};
+  std::size_t depth_ = 0;
+};
+
+}  // namespace penumbra

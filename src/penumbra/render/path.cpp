@@ -1,0 +1,163 @@
+#include <cmath>
+
+#include "penumbra/math/spectrum.h"
+#include "penumbra/render/first_surface.h"
+#include "penumbra/render/integrator.h"
+#include "penumbra/render/interior.h"
+#include "penumbra/render/ray_tally.h"
+#include "penumbra/tracing/shading/bsdf.h"
+#include "penumbra/tracing/shading/light_sampling.h"
+#include "penumbra/tracing/shading/shadow.h"
+
+namespace penumbra {
+namespace {
+
+// Bounces before Russian roulette may end a path, and the longest survival chance: even in a scene that absorbs nothing a path
+// ends with probability one.
+constexpr int sure_bounces = 3;
+constexpr double most_survival = 0.95;
+
+// Of two ways to find the same light, the share of one with density `a` (Veach & Guibas 1995, power heuristic, exponent 2).
+double power_heuristic(double a, double b) { return a * a / (a * a + b * b); }
+
+/// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance sampling;
+/// Russian roulette ends paths without bias.
+class Path final : public RayIntegrator {
+ public:
+  Path(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
+      : RayIntegrator(camera, options.seed),
+        tracer_(tracer),
+        lights_(tracer.scene()),
+        shadow_(tracer, false),
+        max_depth_(options.max_depth),
+        front_sides_only_(options.front_sides_only) {}
+
+  [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override;
+
+ private:
+  // The state of a path at its current ray.
+  struct Walk {
+    Ray ray;
+    Rgb throughput{1};
+    int depth = 0;            // bounces so far
+    double bsdf_pdf = 0;      // of the last direction; 0 after an ideal bounce and for camera rays: only BSDF sampling can find light then
+    Vec3d last_position{0};
+    bool mirrors_only = true;  // no lobe with spread yet
+    Interior interior;
+  };
+
+  [[nodiscard]] Rgb sky(const Walk& walk) const;
+  [[nodiscard]] Rgb emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface) const;
+  [[nodiscard]] Rgb light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth,
+                                      PixelSampler& sampler, RayCounts& rays) const;
+  [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler, RayCounts& rays) const;
+
+  const RayTracer& tracer_;
+  LightSampler lights_;
+  Shadow shadow_;
+  int max_depth_;
+  bool front_sides_only_;
+};
+
+PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const {
+  PixelEstimate seen;
+  Walk walk;
+  walk.ray = ray;
+  count(rays, RayPurpose::primary, 0);
+  while (true) {
+    const auto hit = tracer_.nearest(walk.ray);
+    if (!hit) {
+      const Rgb light = walk.throughput * sky(walk);
+      seen.radiance += light;
+      if (walk.depth == 0) note_miss(seen, light);
+      if (walk.depth == 1) seen.direct += light;
+      return seen;
+    }
+    const SurfacePoint point = tracer_.surface_point(walk.ray, *hit);
+    const Vec3d wo = -walk.ray.direction;
+    const bool front = dot(point.geometric_normal, wo) > 0;
+    walk.throughput *= walk.interior.transmittance(tracer_.scene(), point, front, length(point.position - walk.ray.origin));
+    const Material& material = tracer_.scene().materials[point.material];
+    if (front_sides_only_ && !front && material.transmission == 0) return seen;
+
+    const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
+    if (surface.alpha < 1 && sampler.next_1d() >= surface.alpha) {
+      walk.ray = leave(point, walk.ray.direction);  // seen through; the walk's memory of its last bounce stays
+      continue;
+    }
+    const Bsdf bsdf(surface, surface.shading, point.geometric_normal);
+    Rgb light = walk.throughput * emitted(walk, point, surface);
+    if (walk.depth == 0) note_surface(seen, walk.ray, point, surface, bsdf, Rgb(0));
+    if (walk.depth <= 1) seen.direct += light;
+    seen.radiance += light;
+
+    if (max_depth_ > 0 && walk.depth >= max_depth_) return seen;
+    if (bsdf.has_spread()) {
+      light = walk.throughput * light_by_sampling(point, bsdf, wo, walk.depth, sampler, rays);
+      if (walk.depth == 0) seen.direct += light;
+      seen.radiance += light;
+    }
+    if (!bounce(walk, point, bsdf, sampler, rays)) return seen;
+  }
+}
+
+Rgb Path::sky(const Walk& walk) const {
+  const Rgb radiance = lights_.environment().radiance(walk.ray.direction);
+  if (walk.mirrors_only) return radiance;  // seen directly or in mirrors
+  if (!lights_.environment().lights_surfaces()) return Rgb(0);
+  if (walk.bsdf_pdf == 0) return radiance;
+  return radiance * static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.environment_pdf(walk.ray.direction)));
+}
+
+Rgb Path::emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface) const {
+  if (is_black(surface.emission)) return Rgb(0);
+  const Material& material = tracer_.scene().materials[point.material];
+  if (material.unlit) return walk.mirrors_only ? surface.emission : Rgb(0);  // a picture of light, not a lamp
+  if (!emits_towards(material, point.geometric_normal, -walk.ray.direction)) return Rgb(0);
+  if (walk.bsdf_pdf == 0) return surface.emission;
+  return surface.emission * static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.pdf(walk.last_position, point)));
+}
+
+Rgb Path::light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth, PixelSampler& sampler,
+                            RayCounts& rays) const {
+  const double u_light = sampler.next_1d();
+  const auto s = lights_.sample(point, u_light, sampler.next_2d());
+  if (!s) return Rgb(0);
+  const Rgb f = bsdf.evaluate(wo, s->direction);
+  if (is_black(f)) return Rgb(0);
+  count(rays, RayPurpose::shadow, depth);
+  const Rgb passed = shadow_.transmittance(s->shadow_ray);
+  if (is_black(passed)) return Rgb(0);
+  const double share = s->pdf > 0 ? power_heuristic(s->pdf, bsdf.pdf(wo, s->direction)) : 1;
+  const double cosine = std::abs(dot(bsdf.shading_normal(), s->direction));
+  return f * passed * s->weight() * static_cast<float>(share * cosine);
+}
+
+// Chooses where the path goes on; false when it ends.
+bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler, RayCounts& rays) const {
+  const double u_lobe = sampler.next_1d();
+  const auto s = bsdf.sample(-walk.ray.direction, u_lobe, sampler.next_2d());
+  if (!s) return false;
+  walk.throughput *= s->weight;
+  if (is_black(walk.throughput)) return false;
+  if (++walk.depth > sure_bounces) {
+    const double survival = std::min(most_survival, static_cast<double>(max_component(walk.throughput)));
+    if (sampler.next_1d() >= survival) return false;
+    walk.throughput /= static_cast<float>(survival);
+  }
+  walk.bsdf_pdf = s->pdf;
+  walk.last_position = point.position;
+  walk.mirrors_only = walk.mirrors_only && s->ideal;
+  walk.interior.cross(tracer_.scene(), point, s->direction, s->transmitted);
+  walk.ray = leave(point, s->direction);
+  count(rays, !s->ideal ? RayPurpose::diffuse : s->transmitted ? RayPurpose::refraction : RayPurpose::reflection, walk.depth);
+  return true;
+}
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_path(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options) {
+  return std::make_unique<Path>(tracer, camera, options);
+}
+
+}  // namespace penumbra

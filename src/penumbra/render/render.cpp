@@ -1,0 +1,167 @@
+#include "penumbra/render/render.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+#include "penumbra/parallel/parallel_for.h"
+#include "penumbra/render/integrator.h"
+
+namespace penumbra {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int tile_side = 32;   // pixels; a task
+constexpr int block_side = 4;   // pixels; a packet of rays
+constexpr int most_samples_a_pass = 16;
+
+void check(const RenderOptions& o) {
+  const auto require = [](bool ok, const char* what) {
+    if (!ok) throw std::invalid_argument(what);
+  };
+  require(o.width >= 1 && o.height >= 1 && o.width <= max_render_side && o.height <= max_render_side,
+          "a picture's width and height must be 1 to 32768 pixels");
+  require(o.samples_per_pixel >= 1 && o.samples_per_pixel <= 1 << 24, "samples per pixel must be 1 to 16777216");
+  require(o.max_depth >= 0, "the depth must not be negative");
+  require(o.min_throughput >= 0 && o.min_throughput <= 1, "the smallest throughput must lie in 0 to 1");
+  require(o.time_limit >= 0, "the time limit must not be negative");
+  if (o.region) {
+    const Region& r = *o.region;
+    require(0 <= r.x0 && r.x0 < r.x1 && r.x1 <= o.width && 0 <= r.y0 && r.y0 < r.y1 && r.y1 <= o.height,
+            "the region must lie in the picture and hold at least one pixel");
+  }
+}
+
+std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options) {
+  switch (options.integrator) {
+    case IntegratorKind::appel: return make_appel(tracer, camera, options);
+    case IntegratorKind::whitted: return make_whitted(tracer, camera, options);
+    case IntegratorKind::path: return make_path(tracer, camera, options);
+  }
+  throw std::invalid_argument("unknown integrator");
+}
+
+// Samples are taken in passes over the whole picture, so that a render cut short is a whole, noisier picture. The passes double
+// from one sample; they do not depend on time, so neither do the sums.
+std::vector<int> pass_ends(int samples) {
+  std::vector<int> ends;
+  for (int done = 0; done < samples;) {
+    done = std::min(samples, done + std::clamp(done, 1, most_samples_a_pass));
+    ends.push_back(done);
+  }
+  return ends;
+}
+
+// The work of one render: tiles of every pass, shared by all threads.
+class Job {
+ public:
+  Job(const Integrator& integrator, const RenderOptions& options, const Progress& progress, Film& film)
+      : integrator_(integrator),
+        options_(options),
+        progress_(progress),
+        film_(film),
+        region_(options.region.value_or(Region{0, 0, options.width, options.height})),
+        columns_((region_.x1 - region_.x0 + tile_side - 1) / tile_side),
+        rows_((region_.y1 - region_.y0 + tile_side - 1) / tile_side),
+        counts_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+        began_(Clock::now()) {}
+
+  /// False when it was cut short.
+  bool run() {
+    int first = 0;
+    for (const int last : pass_ends(options_.samples_per_pixel)) {
+      parallel_for(counts_.size(), 1, [&](std::size_t tile, std::size_t) {
+        if (cut_short()) return;
+        render_tile(tile, first, last);
+        tell(last - first);
+      });
+      if (cut_.load()) return false;
+      first = last;
+    }
+    return true;
+  }
+
+  [[nodiscard]] RayCounts total() const {
+    RayCounts sum;
+    for (const RayCounts& c : counts_) {
+      sum.primary += c.primary;
+      sum.shadow += c.shadow;
+      sum.reflection += c.reflection;
+      sum.refraction += c.refraction;
+      sum.diffuse += c.diffuse;
+      sum.by_depth.resize(std::max(sum.by_depth.size(), c.by_depth.size()), 0);
+      for (std::size_t i = 0; i < c.by_depth.size(); ++i) sum.by_depth[i] += c.by_depth[i];
+    }
+    return sum;
+  }
+
+ private:
+  bool cut_short() {
+    if (cut_.load(std::memory_order_relaxed)) return true;
+    const bool late = options_.time_limit > 0 && std::chrono::duration<double>(Clock::now() - began_).count() > options_.time_limit;
+    if (late || progress_.stop_requested()) cut_.store(true);
+    return late || progress_.stop_requested();
+  }
+
+  void render_tile(std::size_t tile, int first, int last) {
+    const int x0 = region_.x0 + static_cast<int>(tile) % columns_ * tile_side;
+    const int y0 = region_.y0 + static_cast<int>(tile) / columns_ * tile_side;
+    const int x1 = std::min(region_.x1, x0 + tile_side);
+    const int y1 = std::min(region_.y1, y0 + tile_side);
+    for (int y = y0; y < y1; y += block_side) {
+      for (int x = x0; x < x1; x += block_side) {
+        const PixelBlock block{x, y, std::min(x1, x + block_side), std::min(y1, y + block_side), first, last};
+        integrator_.render(block, film_, counts_[tile]);
+      }
+    }
+  }
+
+  void tell(int samples) {
+    if (!progress_.report) return;
+    const double all = static_cast<double>(counts_.size()) * options_.samples_per_pixel;
+    const std::scoped_lock lock(telling_);
+    done_ += samples;
+    progress_.tell("render", std::min(1.0, static_cast<double>(done_) / all));
+  }
+
+  const Integrator& integrator_;
+  const RenderOptions& options_;
+  const Progress& progress_;
+  Film& film_;
+  Region region_;
+  int columns_, rows_;
+  std::vector<RayCounts> counts_;  // by tile
+  Clock::time_point began_;
+  std::atomic<bool> cut_{false};
+  std::mutex telling_;
+  std::int64_t done_ = 0;
+};
+
+}  // namespace
+
+RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options, const Progress& progress) {
+  check(options);
+  const auto began = Clock::now();
+  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
+  const auto integrator = make_integrator(tracer, rays, options);
+  Film film(options.width, options.height, options.aovs);
+  Job job(*integrator, options, progress, film);
+
+  RenderResult result;
+  result.partial = !job.run();
+  result.rays = job.total();
+  result.image = film.develop();
+  const Region region = options.region.value_or(Region{0, 0, options.width, options.height});
+  const double share = static_cast<double>(region.x1 - region.x0) * (region.y1 - region.y0) /
+                       (static_cast<double>(options.width) * options.height);
+  result.mean_samples = film.mean_samples() / share;
+  result.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  return result;
+}
+
+}  // namespace penumbra

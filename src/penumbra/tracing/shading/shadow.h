@@ -1,0 +1,29 @@
+#pragma once
+
+#include "penumbra/tracing/ray_tracer.h"
+
+namespace penumbra {
+
+/// What stands between a point and a light, for shadow rays.
+///
+/// Opaque surfaces stop them. Surfaces of AlphaMode::blend let 1 - alpha pass. Glass either stops them too, or attenuates them
+/// straight through by Fresnel and absorption: an approximation (no refraction, so no caustics) that Whitted's shadow rays
+/// have been given since 1979.
+class Shadow {
+ public:
+  /// @param through_glass whether transparent surfaces let shadow rays pass.
+  Shadow(const RayTracer& tracer, bool through_glass);
+
+  /// The share of light that passes along the ray's interval, 0..1 per band.
+  [[nodiscard]] Rgb transmittance(const Ray& ray) const;
+
+  /// True when every surface is opaque, so that one occlusion query decides.
+  [[nodiscard]] bool is_binary() const { return binary_; }
+
+ private:
+  const RayTracer* tracer_;
+  bool through_glass_;
+  bool binary_;
+};
+
+}  // namespace penumbra
