@@ -28,7 +28,8 @@ struct Image {
         data(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) * channels.size(), 0.0F) {}
 
   [[nodiscard]] std::size_t index(int x, int y) const {
-    return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * channels.size();
+    return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+           channels.size();
   }
   [[nodiscard]] float* pixel(int x, int y) { return data.data() + index(x, y); }
   [[nodiscard]] const float* pixel(int x, int y) const { return data.data() + index(x, y); }

@@ -24,7 +24,8 @@ struct Image8 {
 inline constexpr int max_image_side = 32768;
 
 /// Reads a .png (8 or 16 bit; sRGB decoded to linear), .hdr or .exr picture as linear float.
-/// EXR keeps all its channels and string metadata. Throws FileError.
+/// The kind is told by the file's first bytes. A PNG's channels are Y, YA, RGB or RGBA; EXR keeps all its channels
+/// (R, G, B, A first, the rest by name) and string metadata. Throws FileError.
 [[nodiscard]] Image read_image(const std::filesystem::path& path);
 
 /// Decodes PNG, JPEG or WebP from memory, by its magic bytes. `name` is what errors call it. Throws FileError.

@@ -1,0 +1,136 @@
+#include "penumbra/image/stb_decode.h"
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "penumbra/file/file_error.h"
+#include "penumbra/image/decode_limits.h"
+#include "penumbra/image/tonemap.h"
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_HDR
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 32768
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace penumbra {
+namespace {
+
+static_assert(STBI_MAX_DIMENSIONS == max_image_side);
+
+template <class Sample>
+struct StbFree {
+  void operator()(Sample* samples) const { stbi_image_free(samples); }
+};
+template <class Sample>
+using StbSamples = std::unique_ptr<Sample, StbFree<Sample>>;
+
+/// The bytes as stb takes them, dimensions already checked.
+struct StbSource {
+  const stbi_uc* data;
+  int size;
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+};
+
+[[noreturn]] void fail(std::string_view name) {
+  const char* reason = stbi_failure_reason();
+  throw FileError(name, "",
+                  std::string("cannot be decoded, it is damaged or cut short (") + (reason ? reason : "?") + ")");
+}
+
+StbSource checked_source(std::span<const std::byte> bytes, std::string_view name) {
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    throw FileError(name, "", "is larger than 2 GiB, the most that is decoded");
+  }
+  StbSource source{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
+  if (stbi_info_from_memory(source.data, source.size, &source.width, &source.height, &source.channels) == 0) fail(name);
+  check_decode_limits(source.width, source.height, source.channels, bytes.size(), name);
+  return source;
+}
+
+std::size_t sample_count(const StbSource& source) {
+  return static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.height) *
+         static_cast<std::size_t>(source.channels);
+}
+
+std::vector<std::string> channel_names(int count) {
+  switch (count) {
+    case 1:
+      return {"Y"};
+    case 2:
+      return {"Y", "A"};
+    case 3:
+      return {"R", "G", "B"};
+    default:
+      return {"R", "G", "B", "A"};
+  }
+}
+
+// Decodes one sRGB picture with `decode[value]`, the linear value of each integer sample.
+template <class Sample>
+Image linear_image(const StbSource& source, const Sample* samples, const std::vector<float>& decode) {
+  Image image(source.width, source.height, channel_names(source.channels));
+  const bool has_alpha = source.channels == 2 || source.channels == 4;
+  const auto channels = static_cast<std::size_t>(source.channels);
+  const auto largest = static_cast<float>(std::numeric_limits<Sample>::max());
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    const bool is_alpha = has_alpha && i % channels == channels - 1;
+    image.data[i] = is_alpha ? static_cast<float>(samples[i]) / largest : decode[samples[i]];
+  }
+  return image;
+}
+
+template <class Sample>
+std::vector<float> srgb_table() {
+  constexpr std::size_t largest = std::numeric_limits<Sample>::max();
+  std::vector<float> table(largest + 1);
+  for (std::size_t i = 0; i <= largest; ++i)
+    table[i] = srgb_decode(static_cast<float>(i) / static_cast<float>(largest));
+  return table;
+}
+
+}  // namespace
+
+Image8 decode_png_or_jpeg(std::span<const std::byte> bytes, std::string_view name) {
+  StbSource source = checked_source(bytes, name);
+  const StbSamples<stbi_uc> samples(
+      stbi_load_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));
+  if (!samples) fail(name);
+  return {source.width, source.height, source.channels, {samples.get(), samples.get() + sample_count(source)}};
+}
+
+Image decode_png_to_linear(std::span<const std::byte> bytes, std::string_view name) {
+  StbSource source = checked_source(bytes, name);
+  if (stbi_is_16_bit_from_memory(source.data, source.size) != 0) {
+    const StbSamples<stbi_us> samples(
+        stbi_load_16_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));
+    if (!samples) fail(name);
+    return linear_image(source, samples.get(), srgb_table<stbi_us>());
+  }
+  const StbSamples<stbi_uc> samples(
+      stbi_load_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));
+  if (!samples) fail(name);
+  return linear_image(source, samples.get(), srgb_table<stbi_uc>());
+}
+
+Image decode_hdr(std::span<const std::byte> bytes, std::string_view name) {
+  StbSource source = checked_source(bytes, name);
+  const StbSamples<float> samples(
+      stbi_loadf_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 3));
+  if (!samples) fail(name);
+  Image image(source.width, source.height);
+  image.data.assign(samples.get(), samples.get() + image.data.size());
+  return image;
+}
+
+}  // namespace penumbra
