@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "penumbra/io/json_place.h"
+#include "penumbra/io/json_value.h"
+#include "penumbra/io/warning_tally.h"
+
+namespace penumbra {
+
+/// A glTF 2.0 file: its JSON, and its bytes by buffer view. Buffers are read when first asked for.
+class GltfDocument {
+ public:
+  /// Reads .glb (by its magic) or .gltf, and checks version and required extensions; each unknown optional extension
+  /// is one warning. Throws FileError.
+  explicit GltfDocument(const std::filesystem::path& path);
+  GltfDocument(const GltfDocument&) = delete;
+  GltfDocument& operator=(const GltfDocument&) = delete;
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] const JsonPlace& root() const { return *root_; }
+  [[nodiscard]] WarningTally& warnings() { return warnings_; }
+
+  /// How many elements the top-level list ("accessors") has; 0 when it is not there.
+  [[nodiscard]] std::size_t count(std::string_view list) const;
+  /// Element `index` of the top-level list `list`, called "`noun` index".
+  /// Throws FileError at `user` when there is none.
+  [[nodiscard]] JsonPlace item(std::string_view list, std::string_view noun, std::uint64_t index,
+                               const JsonPlace& user) const;
+
+  struct View {
+    std::span<const std::byte> bytes;
+    std::size_t stride = 0;  ///< bytes from element to element; 0 for tightly packed
+  };
+  /// The bytes of a buffer view, wholly inside its buffer. They live as long as the document.
+  [[nodiscard]] View view(std::uint64_t index, const JsonPlace& user);
+
+  /// The bytes that a `data:` URI holds or that a file beside the glTF holds. Throws FileError at `user`.
+  [[nodiscard]] std::vector<std::byte> uri_bytes(const std::string& uri, const JsonPlace& user) const;
+
+ private:
+  void split_glb();
+  void check_version() const;
+  void check_extensions();
+  [[nodiscard]] std::span<const std::byte> buffer(std::uint64_t index, const JsonPlace& user);
+
+  std::filesystem::path path_;
+  std::string file_;
+  WarningTally warnings_;
+  std::vector<std::byte> bytes_;
+  std::string_view json_text_;
+  std::optional<std::span<const std::byte>> binary_;  // the BIN chunk of a .glb
+  JsonValue json_;
+  std::optional<JsonPlace> root_;
+  std::vector<std::optional<std::vector<std::byte>>> buffers_;
+};
+
+}  // namespace penumbra
