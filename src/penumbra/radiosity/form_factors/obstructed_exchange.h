@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "penumbra/math/polygon.h"
+#include "penumbra/math/quadrature.h"
+#include "penumbra/radiosity/form_factors/occluder_polygons.h"
+#include "penumbra/radiosity/form_factors/visible_fragments.h"
+
+namespace penumbra {
+
+/// A_i F_ij (m^2) and an estimate of its absolute error.
+struct ExchangeEstimate {
+  double exchange = 0;
+  double error = 0;
+};
+
+/// The exchange of two polygons that see each other in part.
+///
+/// The exact form factor from a point to the visible fragments of one polygon is integrated over the other by 4 x 4
+/// Gauss points. Where the estimated error is too large the polygon is cut along a shadow line (the trace of a plane
+/// through a corner of the source and an edge of an occluder, or an edge of the source and a corner of an occluder):
+/// between those lines the integrand is smooth and Gauss converges fast; it has kinks across them. Where no shadow line
+/// is left it is halved. The worst piece goes first (Walton, NISTIR 6925, 2002, halves without looking for the lines).
+///
+/// One object a thread.
+class ObstructedExchange {
+ public:
+  explicit ObstructedExchange(const OccluderPolygons& occluders) : occluders_(occluders) {}
+
+  /// Prepares a pair: each polygon is clipped to the front of the other's plane, the blockers to the front of both.
+  /// @param receiver the polygon to integrate over; @param blockers numbers of occluders, others do not matter.
+  void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
+                const Plane3& source_plane, std::span<const std::uint32_t> blockers);
+
+  /// Integrates until the estimated error is at most `allowed` (m^2) or `max_cells` pieces were made.
+  [[nodiscard]] ExchangeEstimate integrate(double allowed, std::size_t max_cells);
+
+ private:
+  struct Cell {
+    std::vector<Vec3d> polygon;
+    double exchange = 0, error = 0;
+  };
+  struct ShadowLine {
+    Plane3 plane;    // its trace on the receiver is the line
+    Vec3d pole;      // the corner, of source or occluder
+    Vec3d from, to;  // the edge
+    bool corner_on_source = false;
+  };
+
+  void find_shadow_lines();
+  void evaluate(Cell& cell);
+  [[nodiscard]] ExchangeEstimate rule_on(std::span<const WeightedPoint> points);
+  bool split(const Cell& cell, Cell& left, Cell& right);
+  [[nodiscard]] bool matters(const ShadowLine& line, std::span<const Vec3d> cell) const;
+
+  const OccluderPolygons& occluders_;
+  VisibleFragments fragments_;
+  Vec3d receiver_normal_{0};
+  Plane3 receiver_plane_;
+  std::vector<Vec3d> receiver_, source_, clipped_, clipped_twice_;
+  std::vector<std::vector<Vec3d>> blockers_;
+  std::size_t blocker_count_ = 0;
+  std::vector<ShadowLine> lines_;
+  bool lines_found_ = false;
+  std::vector<WeightedPoint> points_;
+  std::vector<double> x_, y_, z_, factors_;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace penumbra
