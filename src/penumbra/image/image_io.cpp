@@ -12,7 +12,7 @@
 #include "penumbra/file/input_file.h"
 #include "penumbra/file/output_file.h"
 #include "penumbra/image/exr_file.h"
-#include "penumbra/image/hdr_encode.h"
+#include "penumbra/image/hdr_file.h"
 #include "penumbra/image/stb_decode.h"
 #include "penumbra/image/tonemap.h"
 #include "penumbra/image/webp_decode.h"

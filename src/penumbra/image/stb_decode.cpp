@@ -1,6 +1,5 @@
 #include "penumbra/image/stb_decode.h"
 
-#include <array>
 #include <limits>
 #include <memory>
 #include <string>
@@ -13,7 +12,8 @@
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
-#define STBI_ONLY_HDR
+#define STBI_NO_HDR
+#define STBI_NO_LINEAR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 32768
 #pragma GCC diagnostic push
@@ -48,11 +48,24 @@ struct StbSource {
                   std::string("cannot be decoded, it is damaged or cut short (") + (reason ? reason : "?") + ")");
 }
 
+// stb calls a PNG that is too large an unknown image type; the reader deserves better.
+void check_png_header(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t size_at = 16;
+  if (bytes.size() < size_at + 8) throw FileError(name, "", "is cut short within its PNG header");
+  const auto number_at = [&](std::size_t at) {
+    std::int64_t v = 0;
+    for (std::size_t i = 0; i < 4; ++i) v = v << 8 | std::to_integer<std::int64_t>(bytes[at + i]);
+    return v;
+  };
+  check_decode_limits(number_at(size_at), number_at(size_at + 4), 1, bytes.size(), name);
+}
+
 StbSource checked_source(std::span<const std::byte> bytes, std::string_view name) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     throw FileError(name, "", "is larger than 2 GiB, the most that is decoded");
   }
   StbSource source{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
+  if (bytes.front() == std::byte{0x89}) check_png_header(bytes, name);
   if (stbi_info_from_memory(source.data, source.size, &source.width, &source.height, &source.channels) == 0) fail(name);
   check_decode_limits(source.width, source.height, source.channels, bytes.size(), name);
   return source;
@@ -121,16 +134,6 @@ Image decode_png_to_linear(std::span<const std::byte> bytes, std::string_view na
       stbi_load_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));
   if (!samples) fail(name);
   return linear_image(source, samples.get(), srgb_table<stbi_uc>());
-}
-
-Image decode_hdr(std::span<const std::byte> bytes, std::string_view name) {
-  StbSource source = checked_source(bytes, name);
-  const StbSamples<float> samples(
-      stbi_loadf_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 3));
-  if (!samples) fail(name);
-  Image image(source.width, source.height);
-  image.data.assign(samples.get(), samples.get() + image.data.size());
-  return image;
 }
 
 }  // namespace penumbra

@@ -15,7 +15,4 @@ namespace penumbra {
 /// Decodes a PNG file of 8 or 16 bits from sRGB to linear (alpha stays): channels Y, YA, RGB or RGBA. Throws FileError.
 [[nodiscard]] Image decode_png_to_linear(std::span<const std::byte> bytes, std::string_view name);
 
-/// Decodes a Radiance picture (RGBE) to channels R, G, B. Throws FileError.
-[[nodiscard]] Image decode_hdr(std::span<const std::byte> bytes, std::string_view name);
-
 }  // namespace penumbra

@@ -1,11 +1,17 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "penumbra/image/image.h"
 
 namespace penumbra {
+
+/// Decodes a Radiance picture (RGBE; flat or run-length coded, new style) to channels R, G, B; EXPOSURE lines are
+/// divided out, so values are radiances. Throws FileError.
+[[nodiscard]] Image decode_hdr(std::span<const std::byte> bytes, std::string_view name);
 
 /// Encodes the first three channels (or one grey channel) as a Radiance picture: RGBE (Ward 1991, "Real pixels",
 /// Graphics Gems II), run-length coded. Mantissas are rounded to nearest, for readers that take them as they are
