@@ -110,8 +110,8 @@ std::vector<Vec2d> refined(const std::vector<Vec2d>& profile, double spacing) {
 /// A column without plinth and abacus; its ends reach into them. @param q resolution, 1 plain.
 LatheSolid column(double h, double q) {
   LatheSolid lathe;
-  lathe.segments = at_least(4, 8 * q);
-  if (q < 2) {
+  lathe.segments = at_least(4, 12 * q);
+  if (q < 1.5) {
     lathe.profile = {{0.43, -0.02}, {0.33, 0.3}, {0.28, h - 0.35}, {0.41, h + 0.02}};
     return lathe;
   }
@@ -377,16 +377,21 @@ Groups furnishing(double q, int stages) {
 }
 constexpr int all_stages = 14;
 
-/// As much as `triangles` leave room for beside a shell of a third of them: first what there is, then how fine.
+/// As much as `triangles` leave room for beside the shell, which takes a seventh of a small hall and a third of a large
+/// one: first what there is, then how fine.
 Groups fitting_furnishing(std::size_t triangles) {
   constexpr std::size_t least_shell = 40;
+  const double share = std::clamp(0.86 - 0.1 * std::log10(static_cast<double>(triangles) / 1e4), 0.66, 0.86);
+  const auto room = static_cast<std::size_t>(share * static_cast<double>(triangles));
   constexpr double coarsest = 0.1;
   int stages = 1;
-  while (stages < all_stages && count(furnishing(coarsest, stages + 1)) + least_shell <= triangles * 8 / 10) ++stages;
+  while (stages < all_stages &&
+         count(furnishing(coarsest, stages + 1)) <= std::min(room * 9 / 10, triangles - least_shell))
+    ++stages;
   double low = coarsest, high = 200;
   for (int i = 0; i < 40; ++i) {
     const double middle = std::sqrt(low * high);
-    (count(furnishing(middle, stages)) <= triangles * 2 / 3 ? low : high) = middle;
+    (count(furnishing(middle, stages)) <= room ? low : high) = middle;
   }
   return furnishing(low, stages);
 }
