@@ -22,9 +22,6 @@ double mean(const Rgb& c) { return (static_cast<double>(c.x) + c.y + c.z) / 3; }
 
 Rgb clamp_share(const Rgb& c) { return glm::clamp(c, 0.0F, 1.0F); }
 
-/// Chance that is never 0 for a lobe that exists, as its reflectance off the mean direction may be larger.
-double with_floor(const Rgb& now, const Rgb& most) { return std::max(mean(now), 0.05 * mean(most)); }
-
 }  // namespace
 
 Bsdf::Bsdf(const SurfaceMaterial& material, const Frame& shading, const Vec3d& geometric_normal)
@@ -47,6 +44,7 @@ Bsdf::Bsdf(const SurfaceMaterial& material, const Frame& shading, const Vec3d& g
   const auto f0 = static_cast<float>(material_.ior == 0 ? 1.0 : normal_reflectance(1, material_.ior));
   dielectric_f0_ = glm::min(f0 * material_.specular_colour, Rgb(1.0F)) * material_.specular;
   layer_f0_ = max_component(dielectric_f0_);
+  hiding_ = std::max<double>(layer_f0_, material_.specular);
   open_mean_ = 1 - layer_albedo_mean(ideal_);
   has_specular_ = metal_ > 0 || transparent_ > 0 || material_.specular > 0;
   ideal_transmission_ = ideal_ || (!material_.thin_walled && !bends());
@@ -137,7 +135,7 @@ double Bsdf::layer_albedo_mean(bool ideal_layer) const {
 Rgb Bsdf::diffuse(const Pair& pair, bool ideal_layer) const {
   const Rgb lambert = diffuse_colour_ * remaining_ / std::numbers::pi_v<float>;
   if (material_.specular == 0) return lambert;
-  if (material_.ior == 0) return lambert * static_cast<float>(1 - layer_f0_);  // a layer that hides all below it
+  if (material_.ior == 0) return lambert * static_cast<float>(1 - hiding_);
   const double open = ideal_layer == ideal_ ? open_mean_ : 1 - layer_albedo_mean(ideal_layer);
   if (open < 1e-6) return Rgb(0);
   const double coupling =
@@ -152,6 +150,19 @@ Rgb Bsdf::glossy(const Pair& pair) const {
   return specular_reflectance(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front) * static_cast<float>(spread);
 }
 
+Bsdf::Refraction Bsdf::refraction(const Pair& pair) const {
+  Refraction r;
+  const double from = index_of(pair.from_front);
+  r.to = index_of(!pair.from_front);
+  r.h = glm::normalize(from * pair.wo + r.to * pair.wi);
+  if (r.h.z < 0) r.h = -r.h;
+  r.cos_o = glm::dot(pair.wo, r.h);
+  r.cos_i = glm::dot(pair.wi, r.h);
+  r.stretch = from * r.cos_o + r.to * r.cos_i;
+  r.possible = r.cos_o > 0 && r.cos_i < 0;
+  return r;
+}
+
 Rgb Bsdf::rough_transmission(const Pair& pair) const {
   const Ggx ggx(alpha_);
   if (material_.thin_walled) {
@@ -159,22 +170,14 @@ Rgb Bsdf::rough_transmission(const Pair& pair) const {
     const Vec3d wi = mirrored_through_surface(pair.wi);
     const Vec3d h = glm::normalize(pair.wo + wi);
     const double spread = ggx.distribution(h) * ggx.masking_shadowing(pair.wo, wi) / (4 * pair.wo.z * wi.z);
-    const Rgb share = interface(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front).transmitted;
-    return transparent_ * remaining_ * share * static_cast<float>(spread);
+    return transmitted_weight(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front) * static_cast<float>(spread);
   }
-  const double from = index_of(pair.from_front);
-  const double to = index_of(!pair.from_front);
-  Vec3d h = glm::normalize(from * pair.wo + to * pair.wi);
-  if (h.z < 0) h = -h;
-  const double cos_o = glm::dot(pair.wo, h);
-  const double cos_i = glm::dot(pair.wi, h);
-  if (!(cos_o > 0 && cos_i < 0)) return Rgb(0);
+  const Refraction r = refraction(pair);
+  if (!r.possible) return Rgb(0);
   // Walter et al. 2007, eq. 21, times (to/from)^2 as radiance is stored divided by the index squared.
-  const double stretch = from * cos_o + to * cos_i;
-  const double spread = std::abs(cos_o * cos_i / (pair.wo.z * pair.wi.z)) * to * to * ggx.distribution(h) *
-                        ggx.masking(pair.wo) * ggx.masking(pair.wi) / (stretch * stretch);
-  const Rgb share = interface(std::min(1.0, cos_o), pair.from_front).transmitted;
-  return transparent_ * remaining_ * share * static_cast<float>(spread);
+  const double spread = std::abs(r.cos_o * r.cos_i / (pair.wo.z * pair.wi.z)) * r.to * r.to * ggx.distribution(r.h) *
+                        ggx.masking(pair.wo) * ggx.masking(pair.wi) / (r.stretch * r.stretch);
+  return transmitted_weight(std::min(1.0, r.cos_o), pair.from_front) * static_cast<float>(spread);
 }
 
 Rgb Bsdf::evaluate_lobes(const Pair& pair, bool with_glossy, bool ideal_layer) const {
@@ -196,42 +199,45 @@ Rgb Bsdf::evaluate(const Vec3d& wo, const Vec3d& wi) const {
 Bsdf::LobeChoice Bsdf::lobe_choice(const Vec3d& wo, bool from_front) const {
   LobeChoice choice;
   const Rgb specular = has_specular_ ? specular_reflectance(wo.z, from_front) : Rgb(0);
+  const Rgb through = transparent_ > 0 ? transmitted_weight(wo.z, from_front) : Rgb(0);
   choice.mirror = mean(ideal_ ? material_.mirror + specular : material_.mirror);
-  if (has_specular_ && !ideal_) choice.glossy = with_floor(specular, remaining_);
-  choice.diffuse = mean(diffuse_colour_ * remaining_) * (1 - layer_albedo(wo.z, ideal_));
-  if (material_.ior == 0) choice.diffuse = mean(diffuse_colour_ * remaining_) * (1 - layer_f0_);
-  if (transparent_ > 0) {
-    const Rgb most = transparent_ * remaining_ * material_.base_colour;
-    const Rgb now = transparent_ * remaining_ * interface(wo.z, from_front).transmitted;
-    choice.transmission = ideal_transmission_ ? mean(now) : with_floor(now, most);
+  if (ideal_transmission_) choice.refraction = mean(through);
+  if (has_specular_ && !ideal_) {
+    // Microfacets reflect otherwise than the surface as a whole, which may reflect nothing: never 0.
+    const double now = mean(ideal_transmission_ ? specular : specular + through);
+    choice.facet = std::max(now, 0.05 * mean(remaining_));
   }
-  const double sum = choice.mirror + choice.glossy + choice.diffuse + choice.transmission;
+  const double below = material_.ior == 0 ? hiding_ : layer_albedo(wo.z, ideal_);
+  choice.diffuse = mean(diffuse_colour_ * remaining_) * (1 - below);
+  const double sum = choice.mirror + choice.refraction + choice.facet + choice.diffuse;
   if (!(sum > 0)) return {};
-  return {choice.mirror / sum, choice.glossy / sum, choice.diffuse / sum, choice.transmission / sum};
+  return {choice.mirror / sum, choice.refraction / sum, choice.facet / sum, choice.diffuse / sum};
+}
+
+/// The chance that a sampled microfacet, met at `cos_theta`, reflects rather than transmits.
+double Bsdf::facet_reflects(double cos_theta, bool from_front) const {
+  if (transparent_ == 0 || ideal_transmission_) return 1;
+  const double reflected = mean(specular_reflectance(cos_theta, from_front));
+  const double transmitted = mean(transmitted_weight(cos_theta, from_front));
+  return reflected + transmitted > 0 ? reflected / (reflected + transmitted) : 1;
 }
 
 double Bsdf::pdf(const Pair& pair, const LobeChoice& choice) const {
+  double density = pair.transmitted ? 0 : choice.diffuse * pair.wi.z / pi;
+  if (choice.facet == 0 || (pair.transmitted && ideal_transmission_)) return density;
   const Ggx ggx(alpha_);
-  // A visible normal's density over the directions mirrored in it: the Jacobian is 1/(4 wo.h).
-  const auto mirrored_pdf = [&](const Vec3d& wi) {
-    return ggx.masking(pair.wo) * ggx.distribution(glm::normalize(pair.wo + wi)) / (4 * pair.wo.z);
-  };
-  if (!pair.transmitted) {
-    double density = choice.diffuse * pair.wi.z / pi;
-    if (choice.glossy > 0) density += choice.glossy * mirrored_pdf(pair.wi);
-    return density;
+  if (pair.transmitted && !material_.thin_walled) {
+    const Refraction r = refraction(pair);
+    if (!r.possible) return 0;
+    const double jacobian = r.to * r.to * -r.cos_i / (r.stretch * r.stretch);
+    return choice.facet * (1 - facet_reflects(r.cos_o, pair.from_front)) * ggx.visible_normal_pdf(pair.wo, r.h) *
+           jacobian;
   }
-  if (ideal_transmission_ || choice.transmission == 0) return 0;
-  if (material_.thin_walled) return choice.transmission * mirrored_pdf(mirrored_through_surface(pair.wi));
-  const double from = index_of(pair.from_front);
-  const double to = index_of(!pair.from_front);
-  Vec3d h = glm::normalize(from * pair.wo + to * pair.wi);
-  if (h.z < 0) h = -h;
-  const double cos_o = glm::dot(pair.wo, h);
-  const double cos_i = glm::dot(pair.wi, h);
-  if (!(cos_o > 0 && cos_i < 0)) return 0;
-  const double stretch = from * cos_o + to * cos_i;
-  return choice.transmission * ggx.visible_normal_pdf(pair.wo, h) * to * to * -cos_i / (stretch * stretch);
+  // A visible normal's density over the directions mirrored in it: the Jacobian is 1/(4 wo.h).
+  const Vec3d h = glm::normalize(pair.wo + (pair.transmitted ? mirrored_through_surface(pair.wi) : pair.wi));
+  const double mirrored = ggx.masking(pair.wo) * ggx.distribution(h) / (4 * pair.wo.z);
+  const double reflects = facet_reflects(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front);
+  return density + choice.facet * (pair.transmitted ? 1 - reflects : reflects) * mirrored;
 }
 
 double Bsdf::pdf(const Vec3d& wo, const Vec3d& wi) const {
@@ -239,10 +245,16 @@ double Bsdf::pdf(const Vec3d& wo, const Vec3d& wi) const {
   return pair ? pdf(*pair, lobe_choice(pair->wo, pair->from_front)) : 0;
 }
 
-std::optional<Vec3d> Bsdf::sample_rough_transmission(const Vec3d& wo, bool from_front, const Vec2d& u) const {
+/// @param u_lobe uniform, decides whether the microfacet reflects.
+std::optional<Vec3d> Bsdf::sample_facet(const Vec3d& wo, bool from_front, double u_lobe, const Vec2d& u) const {
   const Vec3d h = Ggx(alpha_).sample_visible_normal(wo, u);
-  if (material_.thin_walled) return mirrored_through_surface(reflect(wo, h));
-  return refract(wo, h, index_of(from_front), index_of(!from_front));
+  const Vec3d reflected = reflect(wo, h);
+  if (u_lobe < facet_reflects(std::min(1.0, glm::dot(wo, h)), from_front)) {
+    return reflected.z > 0 ? std::optional(reflected) : std::nullopt;
+  }
+  if (material_.thin_walled) return reflected.z > 0 ? std::optional(mirrored_through_surface(reflected)) : std::nullopt;
+  const std::optional<Vec3d> refracted = refract(wo, h, index_of(from_front), index_of(!from_front));
+  return refracted && refracted->z < 0 ? refracted : std::nullopt;
 }
 
 std::optional<BsdfSample> Bsdf::ideal_sample(const Vec3d& wo, const Vec3d& wi, bool transmitted,
@@ -257,26 +269,25 @@ std::optional<BsdfSample> Bsdf::sample(const Vec3d& wo, double u_lobe, const Vec
   const Vec3d local = to_side(wo, front);
   if (!(local.z > 0)) return std::nullopt;
   const LobeChoice choice = lobe_choice(local, front);
-  if (choice.mirror + choice.glossy + choice.diffuse + choice.transmission == 0) return std::nullopt;
 
   if (u_lobe < choice.mirror) {
     const Rgb reflected = material_.mirror + (ideal_ ? specular_reflectance(local.z, front) : Rgb(0));
     return ideal_sample(wo, to_world(reflect(local, up), front), false, reflected / static_cast<float>(choice.mirror));
   }
   u_lobe -= choice.mirror;
-  std::optional<Vec3d> wi;
-  if (u_lobe < choice.glossy) {
-    wi = reflect(local, Ggx(alpha_).sample_visible_normal(local, u));
-  } else if (u_lobe - choice.glossy < choice.diffuse || choice.transmission == 0) {
-    wi = sample_cosine_hemisphere(u);
-  } else if (ideal_transmission_) {
-    const Rgb through = transmitted_weight(local.z, front) / static_cast<float>(choice.transmission);
+  if (u_lobe < choice.refraction) {
     const std::optional<Vec3d> beyond = ideal_transmission(local, front);
-    return beyond ? ideal_sample(wo, to_world(*beyond, front), true, through) : std::nullopt;
-  } else {
-    wi = sample_rough_transmission(local, front, u);
+    if (!beyond) return std::nullopt;
+    const Rgb through = transmitted_weight(local.z, front) / static_cast<float>(choice.refraction);
+    return ideal_sample(wo, to_world(*beyond, front), true, through);
   }
-  return wi ? spread_sample(wo, local, *wi, front, choice) : std::nullopt;
+  u_lobe -= choice.refraction;
+  if (u_lobe < choice.facet) {
+    const std::optional<Vec3d> wi = sample_facet(local, front, u_lobe / choice.facet, u);
+    return wi ? spread_sample(wo, local, *wi, front, choice) : std::nullopt;
+  }
+  if (choice.diffuse == 0) return std::nullopt;
+  return spread_sample(wo, local, sample_cosine_hemisphere(u), front, choice);
 }
 
 std::optional<BsdfSample> Bsdf::spread_sample(const Vec3d& wo, const Vec3d& local, const Vec3d& wi, bool front,
@@ -335,7 +346,7 @@ Rgb Bsdf::evaluate_unsplit(const Vec3d& wo, const Vec3d& wi, double roughness_li
 }
 
 Rgb Bsdf::diffuse_reflectance() const {
-  if (material_.ior == 0) return diffuse_colour_ * remaining_ * static_cast<float>(1 - layer_f0_);
+  if (material_.ior == 0) return diffuse_colour_ * remaining_ * static_cast<float>(1 - hiding_);
   return diffuse_colour_ * remaining_ * static_cast<float>(1 - layer_albedo(1, ideal_));
 }
 

@@ -84,12 +84,21 @@ class Bsdf {
     bool from_front = true;    ///< wo is on the geometric front: outside
     bool transmitted = false;  ///< wi is on the other side
   };
+  /// The microfacet that refracts a pair of directions on different sides of a solid's surface.
+  struct Refraction {
+    Vec3d h{0};          ///< its normal, z > 0
+    double to = 1;       ///< index on the side of wi
+    double cos_o = 0;    ///< wo.h
+    double cos_i = 0;    ///< wi.h, < 0
+    double stretch = 0;  ///< from wo.h + to wi.h
+    bool possible = false;
+  };
   /// Probabilities with which `sample` chooses its lobes, sum 1 (or all 0).
   struct LobeChoice {
-    double mirror = 0;  ///< every ideal reflection
-    double glossy = 0;
+    double mirror = 0;      ///< every ideal reflection
+    double refraction = 0;  ///< ideal transmission
+    double facet = 0;       ///< a GGX microfacet, which then reflects or transmits
     double diffuse = 0;
-    double transmission = 0;
   };
 
   [[nodiscard]] std::optional<Pair> pair_of(const Vec3d& wo, const Vec3d& wi) const;
@@ -106,19 +115,25 @@ class Bsdf {
 
   [[nodiscard]] Rgb diffuse(const Pair& pair, bool ideal_layer) const;
   [[nodiscard]] Rgb glossy(const Pair& pair) const;
+  [[nodiscard]] Refraction refraction(const Pair& pair) const;
   [[nodiscard]] Rgb rough_transmission(const Pair& pair) const;
   [[nodiscard]] Rgb evaluate_lobes(const Pair& pair, bool with_glossy, bool ideal_layer) const;
 
   [[nodiscard]] LobeChoice lobe_choice(const Vec3d& wo, bool from_front) const;
   [[nodiscard]] double pdf(const Pair& pair, const LobeChoice& choice) const;
-  [[nodiscard]] std::optional<Vec3d> sample_rough_transmission(const Vec3d& wo, bool from_front, const Vec2d& u) const;
+  [[nodiscard]] double facet_reflects(double cos_theta, bool from_front) const;
+  [[nodiscard]] std::optional<Vec3d> sample_facet(const Vec3d& wo, bool from_front, double u_lobe,
+                                                  const Vec2d& u) const;
   [[nodiscard]] std::optional<BsdfSample> spread_sample(const Vec3d& wo, const Vec3d& local, const Vec3d& wi,
                                                         bool front, const LobeChoice& choice) const;
   [[nodiscard]] std::optional<BsdfSample> ideal_sample(const Vec3d& wo, const Vec3d& wi, bool transmitted,
                                                        const Rgb& weight) const;
   [[nodiscard]] std::optional<Vec3d> ideal_transmission(const Vec3d& wo, bool from_front) const;
   [[nodiscard]] Rgb transmitted_weight(double cos_theta, bool from_front) const;
-  [[nodiscard]] bool splits(double roughness_limit) const { return ideal_ || material_.roughness <= roughness_limit; }
+  /// Compared as float, so that a roughness of 0.1F is at most 0.1.
+  [[nodiscard]] bool splits(double roughness_limit) const {
+    return ideal_ || material_.roughness <= static_cast<float>(roughness_limit);
+  }
 
   SurfaceMaterial material_;
   Frame frame_;
@@ -134,6 +149,7 @@ class Bsdf {
   Rgb remaining_{1.0F};    ///< what the mirror leaves to the other lobes
   Rgb dielectric_f0_{0};   ///< of the opaque share's layer; its f90 is `specular`
   double layer_f0_ = 0;    ///< the largest band of it
+  double hiding_ = 0;      ///< share of the base that a layer of index 0, Fresnel term 1, hides at every angle
   double open_mean_ = 1;   ///< 1 - mean layer albedo
   Rgb diffuse_colour_{0};  ///< Lambertian base of the opaque share
 };

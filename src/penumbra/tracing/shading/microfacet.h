@@ -22,7 +22,7 @@ class Ggx {
   [[nodiscard]] double masking(const Vec3d& w) const { return 1 / (1 + lambda(w)); }
   /// Share visible from both, height-correlated, 0..1 (Heitz 2014, eq. 99); both on the same side of the surface.
   [[nodiscard]] double masking_shadowing(const Vec3d& wo, const Vec3d& wi) const {
-    return 1 / (1 + lambda(wo) + lambda(wi));
+    return 1 / (1 + (lambda(wo) + lambda(wi)));
   }
 
   /// A microfacet normal among those that `wo` sees (Dupuy & Benyoub, "Sampling Visible GGX Normals with Spherical
