@@ -2,173 +2,219 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string_view>
 
 #include "penumbra/math/transform.h"
 
 namespace penumbra {
-
 namespace {
 
-[[noreturn]] void refuse(std::string_view kind, std::size_t index, std::string_view name, std::string_view complaint) {
-  throw std::invalid_argument(
-      fmt::format("{} {}{}: {}", kind, index, name.empty() ? "" : fmt::format(" ('{}')", name), complaint));
-}
-
-bool finite(double v) { return std::isfinite(v); }
-template <int size, class T>
-bool finite(const glm::vec<size, T>& v) {
-  for (int k = 0; k < size; ++k) {
-    if (!std::isfinite(v[k])) return false;
-  }
-  return true;
-}
-template <int columns, int rows, class T>
-bool finite(const glm::mat<columns, rows, T>& m) {
-  for (int k = 0; k < columns; ++k) {
-    if (!finite(m[k])) return false;
-  }
-  return true;
-}
-
-template <class Range>
-bool all_finite(const Range& values) {
-  for (const auto& v : values) {
-    if (!finite(v)) return false;
-  }
-  return true;
-}
-
-/// Complaints about one thing, which throw with its kind, number and name.
-struct Checker {
+/// What is being checked, for messages: "mesh 3 'chair'".
+struct Subject {
   std::string_view kind;
   std::size_t index;
   std::string_view name;
 
-  void require(bool good, std::string_view complaint) const {
-    if (!good) refuse(kind, index, name, complaint);
+  void require(bool condition, std::string_view sentence) const {
+    if (!condition) fail(sentence);
   }
-  void in_range(std::uint32_t value, std::size_t count, std::string_view what) const {
-    if (value >= count) refuse(kind, index, name, fmt::format("its {} is {}, but there are {}", what, value, count));
+  [[noreturn]] void fail(std::string_view sentence) const {
+    const std::string called = name.empty() ? "" : fmt::format(" '{}'", name);
+    throw std::invalid_argument(fmt::format("{} {}{}: {}", kind, index, called, sentence));
   }
 };
 
-void validate_faces(const Mesh& mesh, const Checker& check) {
+bool finite(double v) { return std::isfinite(v); }
+bool finite(float v) { return std::isfinite(v); }
+template <glm::length_t size, class Value>
+bool finite(const glm::vec<size, Value>& v) {
+  for (glm::length_t i = 0; i < size; ++i) {
+    if (!std::isfinite(v[i])) return false;
+  }
+  return true;
+}
+template <glm::length_t columns, glm::length_t rows, class Value>
+bool finite(const glm::mat<columns, rows, Value>& m) {
+  for (glm::length_t i = 0; i < columns; ++i) {
+    if (!finite(m[i])) return false;
+  }
+  return true;
+}
+template <class Value>
+bool all_finite(const std::vector<Value>& values) {
+  return std::ranges::all_of(values, [](const auto& v) { return finite(v); });
+}
+
+bool all_below(std::span<const std::uint32_t> indices, std::size_t count) {
+  return std::ranges::all_of(indices, [count](std::uint32_t i) { return i < count; });
+}
+
+void validate_vertices(const Mesh& mesh, const Subject& subject) {
+  subject.require(all_finite(mesh.positions), "a position is not finite");
+  const auto check = [&](const auto& values, std::string_view what) {
+    subject.require(values.empty() || values.size() == mesh.positions.size(),
+                    fmt::format("has {} positions but {} {}", mesh.positions.size(), values.size(), what));
+    subject.require(all_finite(values), fmt::format("one of its {} is not finite", what));
+  };
+  check(mesh.normals, "normals");
+  check(mesh.tangents, "tangents");
+  check(mesh.uv[0], "texture coordinates");
+  check(mesh.uv[1], "texture coordinates of the second set");
+  check(mesh.colours, "colours");
+}
+
+void validate_faces(const Mesh& mesh, const Subject& subject) {
   if (mesh.face_offsets.empty()) {
-    check.require(mesh.face_vertices.empty() && mesh.face_of_triangle.empty(), "its face arrays disagree");
+    subject.require(mesh.face_vertices.empty() && mesh.face_of_triangle.empty(),
+                    "has corners of faces but no face_offsets");
     return;
   }
-  check.require(mesh.face_offsets.front() == 0 && mesh.face_offsets.back() == mesh.face_vertices.size(),
-                "its face offsets do not span its face vertices");
+  subject.require(mesh.face_offsets.front() == 0 && mesh.face_offsets.back() == mesh.face_vertices.size(),
+                  "face_offsets do not span face_vertices");
   for (std::size_t f = 0; f + 1 < mesh.face_offsets.size(); ++f) {
-    check.require(mesh.face_offsets[f] <= mesh.face_offsets[f + 1], "its face offsets decrease");
+    const bool has_corners =
+        mesh.face_offsets[f + 1] >= mesh.face_offsets[f] && mesh.face_offsets[f + 1] - mesh.face_offsets[f] >= 3;
+    if (!has_corners) subject.fail(fmt::format("face {} has fewer than 3 corners", f));
   }
-  for (const std::uint32_t v : mesh.face_vertices) check.in_range(v, mesh.positions.size(), "face's vertex");
-  check.require(mesh.face_of_triangle.size() == mesh.triangles.size(), "it does not tell the face of each triangle");
-  for (const std::uint32_t f : mesh.face_of_triangle) check.in_range(f, mesh.face_count(), "triangle's face");
+  subject.require(all_below(mesh.face_vertices, mesh.positions.size()), "a face has a corner beyond the positions");
+  subject.require(mesh.face_of_triangle.size() == mesh.triangles.size(),
+                  "face_of_triangle is not as long as the triangles");
+  subject.require(all_below(mesh.face_of_triangle, mesh.face_count()), "a triangle belongs to a face beyond the last");
 }
 
-void validate_mesh(const Scene& scene, std::size_t index) {
-  const Mesh& mesh = scene.meshes[index];
-  const Checker check{"mesh", index, mesh.name};
-  const std::size_t vertices = mesh.positions.size();
-  check.require(all_finite(mesh.positions), "a position is not finite");
-  for (const Mesh::Triangle& t : mesh.triangles) {
-    for (const std::uint32_t v : t) check.in_range(v, vertices, "triangle's vertex");
-  }
-  check.require(mesh.materials.size() == 1 || mesh.materials.size() == mesh.triangles.size(),
-                "it has neither one material nor one for each triangle");
-  for (const std::uint32_t m : mesh.materials) check.in_range(m, scene.materials.size(), "material");
-  const auto per_vertex = [&](const auto& values, std::string_view what) {
-    if (!values.empty() && values.size() != vertices) {
-      refuse(check.kind, index, mesh.name, fmt::format("it has {} {} for {} vertices", values.size(), what, vertices));
+void validate_mesh(const Mesh& mesh, const Subject& subject, std::size_t material_count) {
+  validate_vertices(mesh, subject);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!all_below(mesh.triangles[t], mesh.positions.size())) {
+      subject.fail(fmt::format("triangle {} has a corner beyond its {} positions", t, mesh.positions.size()));
     }
-    if (!all_finite(values)) refuse(check.kind, index, mesh.name, fmt::format("its {} are not all finite", what));
-  };
-  per_vertex(mesh.normals, "normals");
-  per_vertex(mesh.tangents, "tangents");
-  per_vertex(mesh.uv[0], "texture coordinates");
-  per_vertex(mesh.uv[1], "second texture coordinates");
-  per_vertex(mesh.colours, "colours");
-  validate_faces(mesh, check);
+  }
+  subject.require(mesh.materials.size() == 1 || mesh.materials.size() == mesh.triangles.size(),
+                  fmt::format("has {} material numbers for {} triangles; it needs one for all or one each",
+                              mesh.materials.size(), mesh.triangles.size()));
+  subject.require(mesh.triangles.empty() || all_below(mesh.materials, material_count),
+                  fmt::format("names a material beyond the {} of the scene", material_count));
+  validate_faces(mesh, subject);
 }
 
-void validate_texture_refs(const Scene& scene, const Material& m, const Checker& check) {
-  for (const auto* ref : {&m.base_colour_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
-                          &m.transmission_texture, &m.specular_texture, &m.specular_colour_texture}) {
-    if (!*ref) continue;
-    check.in_range((*ref)->texture, scene.textures.size(), "texture");
-    check.in_range((*ref)->uv_set, 2, "texture coordinate set");
-    check.require(finite((*ref)->transform), "a texture transform is not finite");
-  }
-}
+struct ShapeCheck {
+  Subject subject;
 
-void validate_material(const Scene& scene, std::size_t index) {
-  const Material& m = scene.materials[index];
-  const Checker check{"material", index, m.name};
-  for (const Rgb& colour : {m.base_colour, m.specular_colour, m.attenuation_colour, m.mirror, m.emission}) {
-    check.require(finite(colour), "a colour is not finite");
+  void operator()(const Sphere& s) const { check(finite(s.centre), s.radius); }
+  void operator()(const Disk& d) const {
+    check(finite(d.centre), d.radius);
+    check_normal(d.normal);
   }
-  for (const float v : {m.alpha, m.alpha_cutoff, m.metallic, m.roughness, m.specular, m.ior, m.transmission,
-                        m.normal_scale, m.checker_size}) {
-    check.require(finite(v), "a factor is not finite");
+  void operator()(const Cylinder& c) const {
+    check(finite(c.base) && finite(c.top), c.radius);
+    subject.require(c.base != c.top, "has no length");
   }
-  check.require(!std::isnan(m.attenuation_distance), "its attenuation distance is not a number");
-  check.require(!m.checker_colour || (finite(*m.checker_colour) && m.checker_size > 0), "its checker is not valid");
-  check.require(!m.conductor || (finite(m.conductor->eta) && finite(m.conductor->k)), "its metal is not finite");
-  validate_texture_refs(scene, m, check);
-}
-
-void validate_image(const Scene& scene, std::size_t index) {
-  const TextureImage& image = scene.images[index];
-  const Checker check{"image", index, image.name};
-  check.require(image.width >= 1 && image.height >= 1 && image.channels >= 1 && image.channels <= 4,
-                "its size or channels are out of range");
-  const std::size_t wanted = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
-                             static_cast<std::size_t>(image.channels);
-  const std::size_t has = std::visit([](const auto& texels) { return texels.size(); }, image.texels);
-  check.require(has == wanted, "it has not as many texels as its size says");
-}
-
-struct FiniteLight {
-  bool operator()(const PointLight& l) const {
-    return finite(l.position) && finite(l.intensity) && !std::isnan(l.range);
+  void operator()(const Plane& p) const {
+    check(finite(p.point), 1);
+    check_normal(p.normal);
   }
-  bool operator()(const SpotLight& l) const {
-    return finite(l.position) && finite(l.direction) && finite(l.intensity) && !std::isnan(l.range) &&
-           finite(l.inner_angle) && finite(l.outer_angle);
-  }
-  bool operator()(const DirectionalLight& l) const { return finite(l.direction) && finite(l.irradiance); }
-  bool operator()(const AmbientLight& l) const { return finite(l.radiance); }
-};
-
-struct FiniteShape {
-  bool operator()(const Sphere& s) const { return finite(s.centre) && finite(s.radius); }
-  bool operator()(const Disk& s) const { return finite(s.centre) && finite(s.normal) && finite(s.radius); }
-  bool operator()(const Cylinder& s) const { return finite(s.base) && finite(s.top) && finite(s.radius); }
-  bool operator()(const Plane& s) const { return finite(s.point) && finite(s.normal); }
-};
-
-struct ShapeBounds {
-  Bounds operator()(const Sphere& s) const { return {s.centre - Vec3d(s.radius), s.centre + Vec3d(s.radius)}; }
-  Bounds operator()(const Disk& s) const {
-    const Vec3d reach = rim(s.normal, s.radius);
-    return {s.centre - reach, s.centre + reach};
-  }
-  Bounds operator()(const Cylinder& s) const {
-    const Vec3d reach = rim(normalize(s.top - s.base), s.radius);
-    return {glm::min(s.base, s.top) - reach, glm::max(s.base, s.top) + reach};
-  }
-  Bounds operator()(const Plane&) const { return {}; }
 
  private:
-  /// How far a circle reaches along each axis.
-  static Vec3d rim(const Vec3d& axis, double radius) {
-    return radius * glm::sqrt(glm::max(Vec3d(0), Vec3d(1) - axis * axis));
+  void check(bool place_is_finite, double radius) const {
+    subject.require(place_is_finite, "its place is not finite");
+    subject.require(finite(radius) && radius > 0, "its radius is not a positive number");
+  }
+  void check_normal(const Vec3d& normal) const {
+    subject.require(std::abs(length(normal) - 1) < 1e-6, "its normal is not of unit length");
   }
 };
+
+void validate_material(const Material& m, const Subject& subject, std::size_t texture_count) {
+  const bool numbers_are_finite =
+      finite(m.base_colour) && finite(m.alpha) && finite(m.alpha_cutoff) && finite(m.metallic) && finite(m.roughness) &&
+      finite(m.specular) && finite(m.specular_colour) && finite(m.ior) && finite(m.transmission) &&
+      finite(m.attenuation_colour) && !std::isnan(m.attenuation_distance) && finite(m.mirror) && finite(m.emission) &&
+      finite(m.normal_scale) && finite(m.checker_colour.value_or(Rgb(0))) && finite(m.checker_size);
+  subject.require(numbers_are_finite, "one of its numbers is not finite");
+  if (m.conductor)
+    subject.require(finite(m.conductor->eta) && finite(m.conductor->k), "its metal's index is not finite");
+  subject.require(!m.checker_colour || m.checker_size > 0, "its checker_size is not positive");
+  for (const auto* use : {&m.base_colour_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
+                          &m.transmission_texture, &m.specular_texture, &m.specular_colour_texture}) {
+    if (!*use) continue;
+    subject.require((*use)->texture < texture_count,
+                    fmt::format("names texture {}, but the scene has {}", (*use)->texture, texture_count));
+    subject.require((*use)->uv_set < 2, "names a set of texture coordinates beyond the second");
+    subject.require(finite((*use)->transform), "the transform of a texture is not finite");
+  }
+}
+
+void validate_image(const TextureImage& image, const Subject& subject) {
+  subject.require(image.width > 0 && image.height > 0 && image.channels >= 1 && image.channels <= 4,
+                  "an image needs pixels and 1 to 4 channels");
+  const auto texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+                      static_cast<std::size_t>(image.channels);
+  const std::size_t held = std::visit([](const auto& values) { return values.size(); }, image.texels);
+  subject.require(held == texels, fmt::format("holds {} values, but its size asks for {}", held, texels));
+  if (const auto* values = std::get_if<std::vector<float>>(&image.texels)) {
+    subject.require(all_finite(*values), "one of its texels is not finite");
+  }
+}
+
+struct LightCheck {
+  Subject subject;
+
+  void operator()(const PointLight& l) const { check(finite(l.position) && finite(l.intensity), l.range); }
+  void operator()(const SpotLight& l) const {
+    check(finite(l.position) && finite(l.direction) && finite(l.intensity) && finite(l.inner_angle) &&
+              finite(l.outer_angle),
+          l.range);
+    check_direction(l.direction);
+  }
+  void operator()(const DirectionalLight& l) const {
+    check(finite(l.direction) && finite(l.irradiance), 1);
+    check_direction(l.direction);
+  }
+  void operator()(const AmbientLight& l) const { check(finite(l.radiance), 1); }
+
+ private:
+  void check(bool numbers_are_finite, double range) const {
+    subject.require(numbers_are_finite && !std::isnan(range), "one of its numbers is not finite");
+  }
+  void check_direction(const Vec3d& d) const {
+    subject.require(std::abs(length(d) - 1) < 1e-6, "its direction is not of unit length");
+  }
+};
+
+void validate_camera(const Camera& camera, const Subject& subject) {
+  subject.require(finite(camera.to_world), "its placement is not finite");
+  if (const auto* lens = std::get_if<PerspectiveLens>(&camera.lens)) {
+    subject.require(lens->vertical_fov > 0 && lens->vertical_fov < 3.141592653589794,
+                    "its field of view is not between 0 and 180 degrees");
+  } else {
+    const double height = std::get<OrthographicLens>(camera.lens).height;
+    subject.require(finite(height) && height > 0, "the height that it sees is not a positive number");
+  }
+}
+
+Bounds bounds_of(const Shape& shape) {
+  Bounds b;
+  // How far a circle around a unit axis reaches along each coordinate.
+  const auto circle_reach = [](const Vec3d& axis, double radius) {
+    return radius * glm::sqrt(glm::max(Vec3d(1) - axis * axis, Vec3d(0)));
+  };
+  const auto grow = [&b](const Vec3d& centre, const Vec3d& reach) {
+    b.grow(centre - reach);
+    b.grow(centre + reach);
+  };
+  if (const auto* s = std::get_if<Sphere>(&shape)) {
+    grow(s->centre, Vec3d(s->radius));
+  } else if (const auto* d = std::get_if<Disk>(&shape)) {
+    grow(d->centre, circle_reach(d->normal, d->radius));
+  } else if (const auto* c = std::get_if<Cylinder>(&shape)) {
+    const Vec3d reach = circle_reach(normalize(c->top - c->base), c->radius);
+    grow(c->base, reach);
+    grow(c->top, reach);
+  }
+  return b;
+}
 
 }  // namespace
 
@@ -183,38 +229,50 @@ Bounds Scene::bounds() const {
   for (const Instance& instance : instances) {
     for (const Vec3d& p : meshes[instance.mesh].positions) all.grow(transform_point(instance.to_world, p));
   }
-  for (const ShapeObject& object : shapes) all.grow(std::visit(ShapeBounds{}, object.shape));
+  for (const ShapeObject& object : shapes) all.grow(bounds_of(object.shape));
   return all;
 }
 
 void validate(const Scene& scene) {
-  for (std::size_t i = 0; i < scene.meshes.size(); ++i) validate_mesh(scene, i);
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    validate_mesh(scene.meshes[i], {"mesh", i, scene.meshes[i].name}, scene.materials.size());
+  }
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const Checker check{"object", i, scene.instances[i].name};
-    check.in_range(scene.instances[i].mesh, scene.meshes.size(), "mesh");
-    check.require(finite(scene.instances[i].to_world), "its placement is not finite");
+    const Instance& instance = scene.instances[i];
+    const Subject subject{"object", i, instance.name};
+    subject.require(instance.mesh < scene.meshes.size(),
+                    fmt::format("names mesh {}, but the scene has {}", instance.mesh, scene.meshes.size()));
+    subject.require(finite(instance.to_world), "its placement is not finite");
   }
   for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
-    const Checker check{"object", scene.instances.size() + i, scene.shapes[i].name};
-    check.in_range(scene.shapes[i].material, scene.materials.size(), "material");
-    check.require(std::visit(FiniteShape{}, scene.shapes[i].shape), "its shape is not finite");
+    const ShapeObject& object = scene.shapes[i];
+    const Subject subject{"object", scene.instances.size() + i, object.name};
+    std::visit(ShapeCheck{subject}, object.shape);
+    subject.require(object.material < scene.materials.size(),
+                    fmt::format("names material {}, but the scene has {}", object.material, scene.materials.size()));
   }
-  for (std::size_t i = 0; i < scene.materials.size(); ++i) validate_material(scene, i);
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    validate_material(scene.materials[i], {"material", i, scene.materials[i].name}, scene.textures.size());
+  }
   for (std::size_t i = 0; i < scene.textures.size(); ++i) {
-    Checker{"texture", i, ""}.in_range(scene.textures[i].image, scene.images.size(), "image");
+    const Subject subject{"texture", i, ""};
+    subject.require(scene.textures[i].image < scene.images.size(),
+                    fmt::format("names image {}, but the scene has {}", scene.textures[i].image, scene.images.size()));
   }
-  for (std::size_t i = 0; i < scene.images.size(); ++i) validate_image(scene, i);
+  for (std::size_t i = 0; i < scene.images.size(); ++i) {
+    validate_image(scene.images[i], {"image", i, scene.images[i].name});
+  }
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-    Checker{"light", i, scene.lights[i].name}.require(std::visit(FiniteLight{}, scene.lights[i].kind),
-                                                      "a value is not finite");
+    std::visit(LightCheck{Subject{"light", i, scene.lights[i].name}}, scene.lights[i].kind);
   }
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-    Checker{"camera", i, scene.cameras[i].name}.require(finite(scene.cameras[i].to_world), "its place is not finite");
+    validate_camera(scene.cameras[i], {"camera", i, scene.cameras[i].name});
   }
   if (scene.environment) {
-    const Checker check{"environment", 0, ""};
-    check.require(finite(scene.environment->radiance), "its radiance is not finite");
-    if (scene.environment->image) check.in_range(*scene.environment->image, scene.images.size(), "image");
+    const Subject subject{"environment", 0, ""};
+    subject.require(finite(scene.environment->radiance), "its radiance is not finite");
+    subject.require(!scene.environment->image || *scene.environment->image < scene.images.size(),
+                    "names an image beyond those of the scene");
   }
 }
 
