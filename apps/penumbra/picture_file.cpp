@@ -1,5 +1,7 @@
 #include "picture_file.h"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include "penumbra/file/output_file.h"
@@ -11,7 +13,12 @@ namespace {
 const std::vector<std::pair<std::string, ToneCurve>> curves{
     {"none", ToneCurve::none}, {"srgb", ToneCurve::srgb}, {"filmic", ToneCurve::filmic}};
 
-std::string extension(const PictureFile& picture) { return std::filesystem::path(picture.path).extension().string(); }
+std::string extension(const PictureFile& picture) {
+  std::string text = std::filesystem::path(picture.path).extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
 
 }  // namespace
 
@@ -43,8 +50,9 @@ void check(const PictureFile& picture) {
   if (picture.path.empty()) throw UsageError("no picture to write to; add -o IMAGE, such as -o picture.png");
   const std::string kind = extension(picture);
   if (kind != ".png" && kind != ".exr" && kind != ".hdr") {
-    throw UsageError(fmt::format("-o {}: '{}' is no picture format that is written; end the name in .png, .exr or .hdr",
-                                 picture.path, kind));
+    throw UsageError(
+        fmt::format("-o {}: {} is no picture format that can be written; end the name in .png, .exr or .hdr",
+                    picture.path, kind.empty() ? "a name without an extension" : kind));
   }
   if (is_scene_linear(picture) && picture.curve == ToneCurve::srgb) {
     throw UsageError("--tonemap srgb does not apply to " + kind +

@@ -11,7 +11,8 @@ namespace {
 
 constexpr int usual_samples = 4;
 constexpr int usual_path_samples = 64;
-constexpr int most = std::numeric_limits<int>::max();
+constexpr int most_samples = 1 << 24;  // what render() takes
+constexpr int most_segments = std::numeric_limits<int>::max();
 
 const std::vector<std::pair<std::string, IntegratorKind>> integrators{
     {"appel", IntegratorKind::appel}, {"whitted", IntegratorKind::whitted}, {"path", IntegratorKind::path}};
@@ -98,14 +99,16 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
         options.integrator = choice<IntegratorKind>(v, integrators);
         arguments.integrator = v.text;
       });
-  parser.value("--spp", "N", "samples a pixel (default: 4; 64 for path)",
-               [&](const OptionValue& v) { given.samples = static_cast<int>(whole_number(v, 1, most, "samples")); });
+  parser.value("--spp", "N", "samples a pixel (default: 4; 64 for path)", [&](const OptionValue& v) {
+    given.samples = static_cast<int>(whole_number(v, 1, most_samples, "samples"));
+  });
   parser.value("--filter", "NAME",
                "how samples become pixels: box, tent, gaussian, mitchell or blackman-harris (default: box)",
                [&](const OptionValue& v) { options.filter = choice<FilterKind>(v, filters); });
-  parser.value("--max-depth", "N",
-               "longest path after the primary ray, in segments (default: 16 for whitted, no limit for path)",
-               [&](const OptionValue& v) { given.max_depth = static_cast<int>(whole_number(v, 1, most, "segments")); });
+  parser.value(
+      "--max-depth", "N",
+      "longest path after the primary ray, in segments (default: 16 for whitted, no limit for path)",
+      [&](const OptionValue& v) { given.max_depth = static_cast<int>(whole_number(v, 1, most_segments, "segments")); });
   parser.value("--min-throughput", "X",
                "share of the light, 0 to 1: whitted ends a ray that weighs less, path starts Russian roulette there "
                "(default: 0.001)",
