@@ -167,7 +167,7 @@ TEST(Bsdf, IsReciprocal) {
 
 TEST(Bsdf, NeverReflectsMoreThanArrives) {
   CounterRng rng(3);
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int trial = 0; trial < 150; ++trial) {
     SurfaceMaterial m = random_material(rng);
     m.base_colour = Rgb(1);  // the most that can be
     if (trial % 2 == 0) m.roughness = static_cast<float>(rng.next() * 0.3);

@@ -16,6 +16,9 @@ using std::numbers::pi;
 
 constexpr Vec3d up(0, 0, 1);
 
+/// Cosines below this are on the horizon: the area seen is rounding, and densities would overflow.
+constexpr double horizon = 1e-9;
+
 Vec3d mirrored_through_surface(const Vec3d& w) { return {w.x, w.y, -w.z}; }
 
 double mean(const Rgb& c) { return (static_cast<double>(c.x) + c.y + c.z) / 3; }
@@ -74,7 +77,7 @@ std::optional<Bsdf::Pair> Bsdf::pair_of(const Vec3d& wo, const Vec3d& wi) const 
   if (side_o == 0 || side_i == 0) return std::nullopt;
   const bool front = side_o > 0;
   Pair pair{to_side(wo, front), to_side(wi, front), front, front != (side_i > 0)};
-  if (!(pair.wo.z > 0) || !(pair.transmitted ? pair.wi.z < 0 : pair.wi.z > 0)) return std::nullopt;
+  if (!(pair.wo.z > horizon) || !(pair.transmitted ? pair.wi.z < -horizon : pair.wi.z > horizon)) return std::nullopt;
   return pair;
 }
 
@@ -267,7 +270,7 @@ std::optional<BsdfSample> Bsdf::ideal_sample(const Vec3d& wo, const Vec3d& wi, b
 std::optional<BsdfSample> Bsdf::sample(const Vec3d& wo, double u_lobe, const Vec2d& u) const {
   const bool front = glm::dot(wo, geometric_normal_) > 0;
   const Vec3d local = to_side(wo, front);
-  if (!(local.z > 0)) return std::nullopt;
+  if (!(local.z > horizon)) return std::nullopt;
   const LobeChoice choice = lobe_choice(local, front);
 
   if (u_lobe < choice.mirror) {
@@ -320,7 +323,7 @@ SpecularSplit Bsdf::specular_split(const Vec3d& wo, double roughness_limit) cons
   SpecularSplit split;
   const bool front = glm::dot(wo, geometric_normal_) > 0;
   const Vec3d local = to_side(wo, front);
-  if (!(local.z > 0)) return split;
+  if (!(local.z > horizon)) return split;
   const bool smooth = splits(roughness_limit);
   const Vec3d reflection = to_world(reflect(local, up), front);
   if (const std::optional<Pair> pair = pair_of(wo, reflection); pair && !pair->transmitted) {
