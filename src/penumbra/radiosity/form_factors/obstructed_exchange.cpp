@@ -66,6 +66,13 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
   if (receiver_.size() < 3 || source_.size() < 3) return;
   fragments_.set_source(source_);
   for (std::uint32_t k : blockers) {
+    const double slack = occluders_.slack[k];
+    double over_receiver = 0, over_source = 0;
+    for (const Vec3d& v : occluders_.polygon(k)) {
+      over_receiver = std::max(over_receiver, receiver_plane.distance(v));
+      over_source = std::max(over_source, source_plane.distance(v));
+    }
+    if (over_receiver <= slack || over_source <= slack) continue;
     clip_polygon(occluders_.polygon(k), receiver_plane, 0, clipped_);
     if (clipped_.size() < 3) continue;
     if (blockers_.size() == blocker_count_) blockers_.emplace_back();
@@ -110,16 +117,16 @@ void ObstructedExchange::evaluate(Cell& cell) {
   cell.error = e.error;
 }
 
-ExchangeEstimate ObstructedExchange::integrate(double allowed, std::size_t max_cells) {
+ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, std::size_t max_cells) {
   if (receiver_.size() < 3 || source_.size() < 3) return {};
   std::size_t count = 1;
   if (cells_.empty()) cells_.emplace_back();
   cells_[0].polygon = receiver_;
   evaluate(cells_[0]);
-  double error = cells_[0].error;
+  double error = cells_[0].error, exchange = cells_[0].exchange;
   // A heap with the worst cell on top.
   const auto better = [](const Cell& a, const Cell& b) { return a.error < b.error; };
-  while (error > allowed && count < max_cells) {
+  while (error > allowed + relative * exchange && count < max_cells) {
     std::pop_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
     if (cells_.size() < count + 2) cells_.resize(count + 2);
     Cell& worst = cells_[count - 1];
@@ -129,6 +136,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, std::size_t max_c
     evaluate(left);
     evaluate(right);
     error += left.error + right.error - worst.error;
+    exchange += left.exchange + right.exchange - worst.exchange;
     std::swap(worst, left);
     std::swap(left, right);
     std::push_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);

@@ -36,8 +36,12 @@ class ObstructedExchange {
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
                 const Plane3& source_plane, std::span<const std::uint32_t> blockers);
 
-  /// Integrates until the estimated error is at most `allowed` (m^2) or `max_cells` pieces were made.
-  [[nodiscard]] ExchangeEstimate integrate(double allowed, std::size_t max_cells);
+  /// Blockers left after clipping; with 0 the pair is unobstructed.
+  [[nodiscard]] std::size_t blocker_count() const { return blocker_count_; }
+
+  /// Integrates until the estimated error is at most `allowed` (m^2) + `relative` * exchange, or `max_cells` pieces
+  /// were made.
+  [[nodiscard]] ExchangeEstimate integrate(double allowed, double relative, std::size_t max_cells);
 
  private:
   struct Cell {

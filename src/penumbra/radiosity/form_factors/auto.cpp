@@ -1,0 +1,247 @@
+#include "penumbra/radiosity/form_factors/auto.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <stdexcept>
+
+#include "penumbra/radiosity/form_factors/analytic.h"
+#include "penumbra/radiosity/form_factors/cluster_lanes.h"
+#include "penumbra/radiosity/form_factors/obstructed_exchange.h"
+#include "penumbra/radiosity/form_factors/occluder_index.h"
+#include "penumbra/radiosity/form_factors/occluder_polygons.h"
+#include "penumbra/radiosity/form_factors/patch_clusters.h"
+
+namespace penumbra {
+namespace {
+
+// Blocks: so many clusters against so many.
+constexpr std::size_t block_rows = 8, block_columns = 64;
+
+// How the tolerance is shared out. A pair may err by tolerance * (by_area * A_i A_j / A_total + by_value * exchange):
+// summed over j and divided by A_i each part is at most its share.
+constexpr double dropped_by_area = 0.1;
+constexpr double visible_by_area = 0.1, visible_by_value = 0.1;
+constexpr double partial_by_area = 0.35, partial_by_value = 0.35;
+
+}  // namespace
+
+struct AutoFormFactors::Impl {
+  Impl(const PatchMesh& m, const FormFactorOptions& o, const Settings& s)
+      : mesh(m),
+        options(o),
+        settings(s),
+        occluders(make_occluder_polygons(m, s.merge_occluders)),
+        index(occluders),
+        clusters(make_patch_clusters(m)) {
+    Bounds all;
+    for (const Vec3d& v : mesh.vertices) all.grow(v);
+    coplanar = 1e-9 * all.diagonal();
+    for (std::size_t p = 0; p < mesh.radiating_count; ++p) total_area += mesh.areas[p];
+    const std::size_t rows = (clusters.size() + block_rows - 1) / block_rows;
+    for (std::size_t r = 0; r < rows; ++r)
+      for (std::size_t column = r * block_rows; column < clusters.size(); column += block_columns)
+        blocks.push_back({r * block_rows, column});
+  }
+
+  struct Block {
+    std::size_t row, column;  // first clusters
+  };
+  struct Worker;
+
+  const PatchMesh& mesh;
+  FormFactorOptions options;
+  Settings settings;
+  OccluderPolygons occluders;
+  OccluderIndex index;
+  PatchClusters clusters;
+  double coplanar = 0;  // m, what lies within it of a plane lies on it
+  double total_area = 0;
+  std::vector<Block> blocks;
+};
+
+/// One block's work: scratch memory and the result.
+struct AutoFormFactors::Impl::Worker {
+  explicit Worker(const Impl& i) : impl(i), obstructed(i.occluders) {}
+
+  void run(const Block& block);
+  void cluster_pair(std::size_t a, std::size_t b);
+  void patch_row(std::size_t a, std::size_t lane, std::size_t b);
+  void find_blockers(std::size_t a, std::size_t lane, std::size_t b, std::uint32_t& facing);
+  void patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling);
+  [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j, double allowed);
+  void set_obstructed(std::uint32_t i, std::uint32_t j, std::span<const std::uint32_t> pair_blockers);
+  void drop(std::size_t slot_i, std::size_t slot_j, double exchange);
+  void emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e);
+
+  const Impl& impl;
+  FactorBlock out;
+  ObstructedExchange obstructed;
+  ExchangeAreaScratch analytic;
+  LaneExchange open;
+  std::vector<std::uint32_t> listed;          // occluders between two clusters
+  std::vector<std::uint32_t> in_doubt;        // per listed occluder: lanes that it may hide in part
+  std::vector<std::size_t> table_a, table_b;  // per listed occluder: its corner distances in `tables`
+  std::vector<double> tables;
+  std::vector<std::uint32_t> blockers;
+  std::size_t first_row = 0, first_column = 0;  // slots
+  std::vector<double> dropped_rows, dropped_columns;
+};
+
+void AutoFormFactors::Impl::Worker::emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e) {
+  if (!(e.exchange > 0) && !(e.error > 0)) return;
+  out.pairs.push_back({std::min(i, j), std::max(i, j), e.exchange, static_cast<float>(e.error)});
+}
+
+void AutoFormFactors::Impl::Worker::drop(std::size_t slot_i, std::size_t slot_j, double exchange) {
+  dropped_rows[slot_i - first_row] += exchange;
+  dropped_columns[slot_j - first_column] += exchange;
+}
+
+void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j,
+                                                   std::span<const std::uint32_t> pair_blockers) {
+  const PatchMesh& m = impl.mesh;
+  // Integrate over the smaller: the other one's factor is exact.
+  if (m.areas[j] < m.areas[i] * (1 - 1e-9)) std::swap(i, j);
+  obstructed.set_pair(m.polygon(i), {m.normals[i], dot(m.normals[i], m.centroids[i])}, m.polygon(j),
+                      {m.normals[j], dot(m.normals[j], m.centroids[j])}, pair_blockers);
+}
+
+ExchangeEstimate AutoFormFactors::Impl::Worker::near_exchange(std::uint32_t i, std::uint32_t j, double allowed) {
+  set_obstructed(i, j, {});
+  const ExchangeEstimate e = obstructed.integrate(allowed, 0, 1);
+  if (e.error <= allowed) return e;
+  return {exchange_area(impl.mesh.polygon(i), impl.mesh.polygon(j), analytic),
+          1e-12 * std::min(impl.mesh.areas[i], impl.mesh.areas[j])};
+}
+
+void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling) {
+  const std::uint32_t i = impl.clusters.patch[slot_i], j = impl.clusters.patch[slot_j];
+  const double exchange = open.exchange[slot_j % PatchClusters::lanes];
+  const double error = open.error[slot_j % PatchClusters::lanes];
+  const double tolerance = impl.options.tolerance;
+  const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
+  if (!straddling && exchange + error <= dropped_by_area * by_area) {
+    drop(slot_i, slot_j, exchange + error);
+    return;
+  }
+  if (!blockers.empty()) {
+    set_obstructed(i, j, blockers);
+    if (obstructed.blocker_count() > 0) {
+      emit(i, j,
+           obstructed.integrate(partial_by_area * by_area, partial_by_value * tolerance, impl.settings.max_cells));
+      return;
+    }
+  }
+  const double allowed = visible_by_area * by_area + visible_by_value * tolerance * exchange;
+  if (!straddling && error <= allowed) {
+    emit(i, j, {exchange, error});
+  } else {
+    emit(i, j, near_exchange(i, j, allowed));
+  }
+}
+
+/// Removes from `facing` the lanes that an occluder hides, and notes for each occluder the lanes it leaves in doubt.
+void AutoFormFactors::Impl::Worker::find_blockers(std::size_t a, std::size_t lane, std::size_t b,
+                                                  std::uint32_t& facing) {
+  for (std::size_t n = 0; n < listed.size(); ++n) {
+    const std::uint32_t k = listed[n];
+    const LaneVisibility v =
+        lane_visibility(impl.clusters, a, lane, tables.data() + table_a[n], b, tables.data() + table_b[n],
+                        impl.index.planes(k).size(), impl.occluders.slack[k]);
+    facing &= ~v.hidden;
+    in_doubt[n] = facing & ~v.visible;
+    for (std::uint32_t rest = in_doubt[n] & v.straddling; rest != 0; rest &= rest - 1) {
+      const auto l = static_cast<std::size_t>(std::countr_zero(rest));
+      const std::uint32_t i = impl.clusters.patch[a * PatchClusters::lanes + lane];
+      const std::uint32_t j = impl.clusters.patch[b * PatchClusters::lanes + l];
+      const Sight s = impl.index.sight(impl.mesh.polygon(i), impl.mesh.polygon(j), k);
+      if (s != Sight::partial) in_doubt[n] &= ~(1U << l);
+      if (s == Sight::hidden) facing &= ~(1U << l);
+    }
+    if (facing == 0) return;
+  }
+}
+
+void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, std::size_t b) {
+  const std::size_t slot = a * PatchClusters::lanes + lane;
+  far_exchange(impl.clusters, slot, b, impl.coplanar, open);
+  std::uint32_t facing = open.facing;
+  if (a == b) facing &= ~((2U << lane) - 1U);
+  if (facing == 0) return;
+  find_blockers(a, lane, b, facing);
+  for (std::uint32_t rest = facing; rest != 0; rest &= rest - 1) {
+    const auto l = static_cast<std::size_t>(std::countr_zero(rest));
+    const std::uint32_t bit = 1U << l;
+    blockers.clear();
+    for (std::size_t n = 0; n < listed.size(); ++n)
+      if ((in_doubt[n] & bit) != 0) blockers.push_back(listed[n]);
+    patch_pair(slot, b * PatchClusters::lanes + l, (open.straddling & bit) != 0);
+  }
+}
+
+void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
+  const auto& first = impl.clusters.clusters[a];
+  const auto& second = impl.clusters.clusters[b];
+  const auto behind = [&](const PatchClusters::Cluster& of, const PatchClusters::Cluster& other) {
+    return of.flat && std::all_of(other.box.begin(), other.box.end(),
+                                  [&](const Vec3d& v) { return of.plane.distance(v) <= impl.coplanar; });
+  };
+  if (behind(first, second) || behind(second, first)) return;
+  if (impl.index.between(first, second, listed) == Sight::hidden) return;
+  tables.clear();
+  table_a.clear();
+  table_b.clear();
+  in_doubt.assign(listed.size(), 0);
+  for (std::uint32_t k : listed) {
+    const auto planes = impl.index.planes(k);
+    const auto append = [&](std::size_t cluster, std::vector<std::size_t>& at) {
+      at.push_back(tables.size());
+      tables.resize(tables.size() +
+                    planes.size() * impl.clusters.clusters[cluster].corner_count * PatchClusters::lanes);
+      corner_distances(impl.clusters, cluster, planes, tables.data() + at.back());
+    };
+    append(a, table_a);
+    append(b, table_b);
+  }
+  for (std::size_t lane = 0; lane < first.count; ++lane) patch_row(a, lane, b);
+}
+
+void AutoFormFactors::Impl::Worker::run(const Block& block) {
+  const std::size_t row_end = std::min(block.row + block_rows, impl.clusters.size());
+  const std::size_t column_end = std::min(block.column + block_columns, impl.clusters.size());
+  first_row = block.row * PatchClusters::lanes;
+  first_column = block.column * PatchClusters::lanes;
+  dropped_rows.assign((row_end - block.row) * PatchClusters::lanes, 0.0);
+  dropped_columns.assign((column_end - block.column) * PatchClusters::lanes, 0.0);
+  for (std::size_t a = block.row; a < row_end; ++a)
+    for (std::size_t b = std::max(a, block.column); b < column_end; ++b) cluster_pair(a, b);
+  const auto report = [&](const std::vector<double>& sums, std::size_t first) {
+    for (std::size_t s = 0; s < sums.size(); ++s)
+      if (sums[s] > 0) out.dropped.push_back({impl.clusters.patch[first + s], sums[s]});
+  };
+  report(dropped_rows, first_row);
+  report(dropped_columns, first_column);
+}
+
+AutoFormFactors::AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options)
+    : AutoFormFactors(mesh, options, Settings{}) {}
+
+AutoFormFactors::AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options, const Settings& settings) {
+  if (!(options.tolerance > 0)) throw std::invalid_argument("auto: the tolerance must be greater than 0");
+  impl_ = std::make_unique<Impl>(mesh, options, settings);
+}
+
+AutoFormFactors::~AutoFormFactors() = default;
+
+std::size_t AutoFormFactors::block_count() const { return impl_->blocks.size(); }
+
+FactorBlock AutoFormFactors::block(std::size_t index) const {
+  assert(index < impl_->blocks.size());
+  Impl::Worker worker(*impl_);
+  worker.run(impl_->blocks[index]);
+  return std::move(worker.out);
+}
+
+}  // namespace penumbra

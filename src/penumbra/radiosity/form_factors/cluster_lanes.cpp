@@ -1,0 +1,217 @@
+#include "penumbra/radiosity/form_factors/cluster_lanes.h"
+
+#include <algorithm>
+#include <cmath>
+
+// Compiled once for each instruction set; the best one that the processor has is chosen at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "penumbra/radiosity/form_factors/cluster_lanes.cpp"
+#include <hwy/foreach_target.h>
+//
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace penumbra::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+constexpr std::size_t lanes = PatchClusters::lanes;
+
+HWY_INLINE V set(double v) { return hn::Set(D(), v); }
+
+HWY_INLINE std::uint32_t bits_of(M mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(D(), mask, bytes);
+  return bytes[0] & ((1U << hn::Lanes(D())) - 1U);
+}
+
+// Error of the 4 x 4 rule relative to cos cos / (pi r^2), with each cosine's largest value on the patch: the terms of
+// fourth order in (radius_i + radius_j) / r, and of third order for patches without a centre of symmetry. Measured
+// against the closed form over random pairs (tests/radiosity/auto_open_test.cpp).
+constexpr double fourth_order = 0.25;
+constexpr double third_order = 0.5;
+
+void far_exchange_lanes(const PatchClusters& c, std::size_t slot, std::size_t index, double tolerance,
+                        LaneExchange& out) {
+  const D d;
+  const std::size_t n = hn::Lanes(d);
+  const PatchClusters::Cluster& own = c.clusters[slot / lanes];
+  const PatchClusters::Cluster& other = c.clusters[index];
+  const std::size_t own_lane = slot % lanes;
+  const V zero = hn::Zero(d);
+  const V nx = set(c.normal[0][slot]), ny = set(c.normal[1][slot]), nz = set(c.normal[2][slot]);
+  const V offset = set(c.offset[slot]);
+  const V eps = set(tolerance), minus_eps = set(-tolerance);
+  out.facing = 0;
+  out.straddling = 0;
+  for (std::size_t l = 0; l < lanes; l += n) {
+    const std::size_t s = index * lanes + l;
+    // Facing: how far the corners of each stand in front of the other's plane.
+    V high = set(-1e300), low = set(1e300);
+    for (std::size_t k = 0; k < other.corner_count; ++k) {
+      const V x = hn::LoadU(d, c.corner(other, k, 0) + l), y = hn::LoadU(d, c.corner(other, k, 1) + l),
+              z = hn::LoadU(d, c.corner(other, k, 2) + l);
+      const V h = hn::MulAdd(nx, x, hn::MulAdd(ny, y, hn::MulSub(nz, z, offset)));
+      high = hn::Max(high, h);
+      low = hn::Min(low, h);
+    }
+    M faces = hn::Gt(high, eps);
+    M cut = hn::Lt(low, minus_eps);
+    if (hn::AllFalse(d, faces)) continue;
+    const V mx = hn::LoadU(d, &c.normal[0][s]), my = hn::LoadU(d, &c.normal[1][s]), mz = hn::LoadU(d, &c.normal[2][s]);
+    const V other_offset = hn::LoadU(d, &c.offset[s]);
+    high = set(-1e300);
+    low = set(1e300);
+    for (std::size_t k = 0; k < own.corner_count; ++k) {
+      const V x = set(c.corner(own, k, 0)[own_lane]), y = set(c.corner(own, k, 1)[own_lane]),
+              z = set(c.corner(own, k, 2)[own_lane]);
+      const V h = hn::MulAdd(mx, x, hn::MulAdd(my, y, hn::MulSub(mz, z, other_offset)));
+      high = hn::Max(high, h);
+      low = hn::Min(low, h);
+    }
+    faces = hn::And(faces, hn::Gt(high, eps));
+    if (hn::AllFalse(d, faces)) continue;
+    cut = hn::And(faces, hn::Or(cut, hn::Lt(low, minus_eps)));
+
+    V sum = zero;
+    for (std::size_t p = 0; p < PatchClusters::rule_points; ++p) {
+      const V px = set(c.rule[p][0][slot]), py = set(c.rule[p][1][slot]), pz = set(c.rule[p][2][slot]);
+      for (std::size_t q = 0; q < PatchClusters::rule_points; ++q) {
+        const V rx = hn::Sub(hn::LoadU(d, &c.rule[q][0][s]), px), ry = hn::Sub(hn::LoadU(d, &c.rule[q][1][s]), py),
+                rz = hn::Sub(hn::LoadU(d, &c.rule[q][2][s]), pz);
+        const V r2 = hn::MulAdd(rx, rx, hn::MulAdd(ry, ry, hn::Mul(rz, rz)));
+        const V leave = hn::MulAdd(nx, rx, hn::MulAdd(ny, ry, hn::Mul(nz, rz)));
+        const V arrive = hn::MulAdd(mx, rx, hn::MulAdd(my, ry, hn::Mul(mz, rz)));
+        const V product = hn::Mul(hn::Max(leave, zero), hn::Max(hn::Neg(arrive), zero));
+        sum = hn::Add(sum, hn::Div(product, hn::Max(hn::Mul(r2, r2), set(1e-300))));
+      }
+    }
+    const V areas = hn::Mul(set(c.area[slot] / 3.14159265358979323846), hn::LoadU(d, &c.area[s]));
+    hn::StoreU(hn::Mul(hn::Mul(areas, set(1.0 / 16)), sum), d, out.exchange + l);
+
+    const V rx = hn::Sub(hn::LoadU(d, &c.centroid[0][s]), set(c.centroid[0][slot])),
+            ry = hn::Sub(hn::LoadU(d, &c.centroid[1][s]), set(c.centroid[1][slot])),
+            rz = hn::Sub(hn::LoadU(d, &c.centroid[2][s]), set(c.centroid[2][slot]));
+    const V r2 = hn::Max(hn::MulAdd(rx, rx, hn::MulAdd(ry, ry, hn::Mul(rz, rz))), set(1e-300));
+    const V inverse = hn::Div(set(1), r2);
+    const V inverse_r = hn::Sqrt(inverse);
+    const V reach = hn::Add(set(c.radius[slot]), hn::LoadU(d, &c.radius[s]));
+    const V ratio = hn::Mul(reach, inverse_r), ratio2 = hn::Mul(ratio, ratio);
+    const V leave = hn::Abs(hn::MulAdd(nx, rx, hn::MulAdd(ny, ry, hn::Mul(nz, rz))));
+    const V arrive = hn::Abs(hn::MulAdd(mx, rx, hn::MulAdd(my, ry, hn::Mul(mz, rz))));
+    const V cosines = hn::Mul(hn::MulAdd(leave, inverse_r, ratio), hn::MulAdd(arrive, inverse_r, ratio));
+    const V skew = hn::Max(set(c.skew[slot]), hn::LoadU(d, &c.skew[s]));
+    V order = hn::Mul(ratio2, hn::MulAdd(set(fourth_order), ratio2, hn::Mul(hn::Mul(set(third_order), skew), ratio)));
+    order = hn::IfThenElse(hn::Gt(ratio, set(0.9)), set(1e300), order);
+    hn::StoreU(hn::Mul(hn::Mul(areas, inverse), hn::Mul(cosines, order)), d, out.error + l);
+    out.facing |= bits_of(faces) << l;
+    out.straddling |= bits_of(cut) << l;
+  }
+  const std::uint32_t used = (1U << other.count) - 1U;
+  out.facing &= used;
+  out.straddling &= used;
+}
+
+void corner_distances_lanes(const PatchClusters& c, std::size_t index, std::span<const Plane3> planes, double* table) {
+  const D d;
+  const std::size_t n = hn::Lanes(d);
+  const PatchClusters::Cluster& cluster = c.clusters[index];
+  for (std::size_t k = 0; k < cluster.corner_count; ++k) {
+    for (std::size_t l = 0; l < lanes; l += n) {
+      const V x = hn::LoadU(d, c.corner(cluster, k, 0) + l), y = hn::LoadU(d, c.corner(cluster, k, 1) + l),
+              z = hn::LoadU(d, c.corner(cluster, k, 2) + l);
+      for (std::size_t p = 0; p < planes.size(); ++p) {
+        const Plane3& plane = planes[p];
+        const V h =
+            hn::MulAdd(set(plane.normal.x), x,
+                       hn::MulAdd(set(plane.normal.y), y, hn::MulSub(set(plane.normal.z), z, set(plane.offset))));
+        hn::StoreU(h, d, table + (p * cluster.corner_count + k) * lanes + l);
+      }
+    }
+  }
+}
+
+LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, std::size_t lane,
+                                     const double* first_table, std::size_t second, const double* second_table,
+                                     std::size_t planes, double slack) {
+  const D d;
+  const std::size_t n = hn::Lanes(d);
+  const std::size_t na = c.clusters[first].corner_count, nb = c.clusters[second].corner_count;
+  double low_a = 1e300, high_a = -1e300;
+  for (std::size_t a = 0; a < na; ++a) {
+    const double h = first_table[a * lanes + lane];
+    low_a = std::min(low_a, h);
+    high_a = std::max(high_a, h);
+  }
+  LaneVisibility out;
+  const V tiny = set(slack), minus_tiny = set(-slack), zero = hn::Zero(d);
+  for (std::size_t l = 0; l < lanes; l += n) {
+    V low_b = set(1e300), high_b = set(-1e300);
+    for (std::size_t b = 0; b < nb; ++b) {
+      const V h = hn::LoadU(d, second_table + b * lanes + l);
+      low_b = hn::Min(low_b, h);
+      high_b = hn::Max(high_b, h);
+    }
+    const M none = hn::Lt(tiny, zero), all = hn::Not(none);
+    const M b_front = hn::Ge(low_b, minus_tiny), b_back = hn::Le(high_b, tiny);
+    const M a_front = low_a >= -slack ? all : none, a_back = high_a <= slack ? all : none;
+    M visible = hn::Or(hn::And(a_front, b_front), hn::And(a_back, b_back));
+    const M across = hn::AndNot(visible, hn::Or(hn::And(a_front, b_back), hn::And(a_back, b_front)));
+    out.straddling |= bits_of(hn::Not(hn::Or(visible, across))) << l;
+    M hidden = across;
+    if (!hn::AllFalse(d, across)) {
+      for (std::size_t e = 1; e < planes; ++e) {
+        V low = set(1e300), high = set(-1e300);
+        for (std::size_t a = 0; a < na; ++a) {
+          const V wa = set(std::abs(first_table[a * lanes + lane])), ea = set(first_table[(e * na + a) * lanes + lane]);
+          for (std::size_t b = 0; b < nb; ++b) {
+            const V wb = hn::Abs(hn::LoadU(d, second_table + b * lanes + l));
+            const V eb = hn::LoadU(d, second_table + (e * nb + b) * lanes + l);
+            const V margin = hn::Mul(tiny, hn::Add(wa, wb));
+            const V side = hn::MulAdd(wb, ea, hn::Mul(wa, eb));
+            low = hn::Min(low, hn::Add(side, margin));
+            high = hn::Max(high, hn::Sub(side, margin));
+          }
+        }
+        visible = hn::Or(visible, hn::And(across, hn::Le(high, zero)));
+        hidden = hn::And(hidden, hn::Ge(low, zero));
+      }
+      hidden = hn::AndNot(visible, hidden);
+    }
+    out.visible |= bits_of(visible) << l;
+    out.hidden |= bits_of(hidden) << l;
+  }
+  return out;
+}
+
+}  // namespace penumbra::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace penumbra {
+
+HWY_EXPORT(far_exchange_lanes);
+HWY_EXPORT(corner_distances_lanes);
+HWY_EXPORT(lane_visibility_lanes);
+
+void far_exchange(const PatchClusters& clusters, std::size_t slot, std::size_t cluster, double tolerance,
+                  LaneExchange& out) {
+  HWY_DYNAMIC_DISPATCH(far_exchange_lanes)(clusters, slot, cluster, tolerance, out);
+}
+
+void corner_distances(const PatchClusters& clusters, std::size_t cluster, std::span<const Plane3> planes,
+                      double* table) {
+  HWY_DYNAMIC_DISPATCH(corner_distances_lanes)(clusters, cluster, planes, table);
+}
+
+LaneVisibility lane_visibility(const PatchClusters& clusters, std::size_t first, std::size_t lane,
+                               const double* first_table, std::size_t second, const double* second_table,
+                               std::size_t planes, double slack) {
+  return HWY_DYNAMIC_DISPATCH(lane_visibility_lanes)(clusters, first, lane, first_table, second, second_table, planes,
+                                                     slack);
+}
+
+}  // namespace penumbra
+#endif

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "penumbra/math/polygon.h"
+#include "penumbra/radiosity/form_factors/occluder_polygons.h"
+#include "penumbra/radiosity/form_factors/patch_clusters.h"
+
+namespace penumbra {
+
+enum class Sight { visible, hidden, partial };
+
+/// Which occluders stand between two clusters of patches, found with a bounding volume hierarchy.
+class OccluderIndex {
+ public:
+  explicit OccluderIndex(const OccluderPolygons& occluders);
+
+  [[nodiscard]] const OccluderPolygons& occluders() const { return occluders_; }
+  /// The occluder's plane, then one through each edge, perpendicular to it, its inside in front.
+  [[nodiscard]] std::span<const Plane3> planes(std::size_t k) const {
+    return std::span(planes_).subspan(plane_offsets_[k], plane_offsets_[k + 1] - plane_offsets_[k]);
+  }
+
+  /// Replaces `found` by the occluders that may hide part of one cluster from the other. Returns Sight::hidden when one
+  /// of them hides all, visible when there are none.
+  [[nodiscard]] Sight between(const PatchClusters::Cluster& a, const PatchClusters::Cluster& b,
+                              std::vector<std::uint32_t>& found) const;
+
+  /// How occluder k stands between two convex polygons; `partial` where undecided.
+  [[nodiscard]] Sight sight(std::span<const Vec3d> a, std::span<const Vec3d> b, std::size_t k) const;
+
+ private:
+  struct Node {
+    Bounds bounds;
+    std::uint32_t first = 0, count = 0;  // leaves: into order_; inner nodes: count 0, children first and first + 1
+  };
+  void build(std::uint32_t node, std::uint32_t first, std::uint32_t last);
+  [[nodiscard]] Sight examine(const PatchClusters::Cluster& a, const PatchClusters::Cluster& b, std::size_t k) const;
+
+  const OccluderPolygons& occluders_;
+  std::vector<std::uint32_t> plane_offsets_{0};
+  std::vector<Plane3> planes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace penumbra
