@@ -18,11 +18,18 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 nlohmann::json optics() { return nlohmann::json::parse(std::ifstream(PENUMBRA_TEST_DATA "/optics.json")); }
 
+/// One table of it, by value: a range-for must own what it runs over.
+nlohmann::json rows(const char* section, const char* table) {
+  nlohmann::json found = optics().at(section).at(table);
+  EXPECT_FALSE(found.empty());
+  return found;
+}
+
 /// Independent tables, to this relative error.
 void expect_close(double value, double reference) { EXPECT_NEAR(value, reference, 1e-12 * std::abs(reference)); }
 
 TEST(Fresnel, DielectricMeetsTheTable) {
-  for (const auto& row : optics()["fresnel_dielectric"]["table"]) {
+  for (const auto& row : rows("fresnel_dielectric", "table")) {
     SCOPED_TRACE(row.dump());
     const double cos_theta = std::cos(row["theta_deg"].get<double>() * degree);
     const Polarised r = fresnel_dielectric(cos_theta, row["n1"], row["n2"]);
@@ -75,7 +82,7 @@ TEST(Fresnel, DielectricReflectionAndTransmissionSumToOne) {
 }
 
 TEST(Fresnel, ConductorMeetsTheTable) {
-  for (const auto& row : optics()["fresnel_conductor"]["table"]) {
+  for (const auto& row : rows("fresnel_conductor", "table")) {
     SCOPED_TRACE(row.dump());
     const double cos_theta = std::cos(row["theta_deg"].get<double>() * degree);
     const Polarised r = fresnel_conductor(cos_theta, row["n"], row["k"]);
@@ -110,7 +117,7 @@ TEST(Fresnel, SchlickMeetsItsEndsAndTheExactLawNearby) {
 }
 
 TEST(Fresnel, DiffuseReflectanceMeetsTheTable) {
-  for (const auto& row : optics()["fresnel_diffuse"]["table"]) {
+  for (const auto& row : rows("fresnel_diffuse", "table")) {
     const double n = row["n"];
     EXPECT_NEAR(fresnel_diffuse_external(n), row["R_external_diffuse"], 1e-12) << n;
     EXPECT_NEAR(fresnel_diffuse_internal(n), row["R_internal_diffuse"], 1e-12) << n;
@@ -162,7 +169,7 @@ TEST(Snell, KeepsThePlaneTheLengthAndTheWayBack) {
 }
 
 TEST(Plate, MeetsTheTable) {
-  for (const auto& row : optics()["glass_slab"]["table"]) {
+  for (const auto& row : rows("glass_slab", "table")) {
     const double c = std::cos(row["theta_deg"].get<double>() * degree);
     const PlateShares plate = fresnel_plate(c, row["n"]);
     expect_close(plate.transmittance, row["T_lossless_incoherent_slab"]);
@@ -206,8 +213,7 @@ TEST(Plate, EndsAreRight) {
 }
 
 TEST(BeerLambert, MeetsTheTable) {
-  for (const auto& row : optics()["beer_lambert"]["cases"])
-    expect_close(beer_lambert(row["sigma"], row["d"]), row["T"]);
+  for (const auto& row : rows("beer_lambert", "cases")) expect_close(beer_lambert(row["sigma"], row["d"]), row["T"]);
 }
 
 TEST(BeerLambert, OfAVolumeColourIsThatColourAfterTheDistance) {

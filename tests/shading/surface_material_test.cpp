@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "penumbra/math/rng.h"
+#include "penumbra/math/sampling.h"
+
 namespace penumbra {
 namespace {
 
@@ -147,6 +150,32 @@ TEST(SurfaceMaterial, NormalMapsNeverTurnBehindTheGeometry) {
   const Vec3d n = one.read().shading.normal;
   EXPECT_NEAR(glm::length(n), 1, 1e-9);
   EXPECT_GT(glm::dot(n, one.point.geometric_normal), 0);
+}
+
+TEST(FrameTowards, LetsTheEyeSeeTheFrontAndStaysOnTheGeometrysSide) {
+  CounterRng rng(1);
+  int bent = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto next = [&] {
+      const double u = rng.next();
+      return sample_sphere({u, rng.next()});
+    };
+    const Vec3d geometric = next();
+    Vec3d normal = next();
+    if (glm::dot(normal, geometric) < 0) normal = -normal;
+    const Vec3d wo = next();
+    const double side = glm::dot(wo, geometric) > 0 ? 1 : -1;
+    const Frame frame = frame_towards(Frame(normal), geometric, wo);
+    EXPECT_NEAR(glm::length(frame.normal), 1, 1e-12);
+    EXPECT_GT(glm::dot(frame.normal, wo) * side, 0);
+    EXPECT_GT(glm::dot(frame.normal, geometric), 0);
+    if (glm::dot(normal, wo) * side > 0.01) {
+      EXPECT_EQ(frame.normal, normal);
+    } else {
+      ++bent;
+    }
+  }
+  EXPECT_GT(bent, 100);
 }
 
 }  // namespace

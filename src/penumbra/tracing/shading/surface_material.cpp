@@ -92,6 +92,20 @@ SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point) 
   return surface;
 }
 
+Frame frame_towards(const Frame& shading, const Vec3d& geometric_normal, const Vec3d& wo) {
+  constexpr double least_cosine = 0.01;
+  const double side = glm::dot(geometric_normal, wo);
+  const Vec3d w = side < 0 ? -wo : wo;
+  const double cosine = glm::dot(shading.normal, w);
+  if (cosine >= std::min(least_cosine, std::abs(side))) return shading;
+  // In the plane of the two, away from w by the cosine wanted; both are on the geometry's front, and so is what lies
+  // between.
+  const Vec3d across = shading.normal - cosine * w;
+  const double length = glm::length(across);
+  if (!(length > 1e-9)) return Frame(geometric_normal);
+  return Frame(glm::normalize(least_cosine * w + std::sqrt(1 - least_cosine * least_cosine) / length * across));
+}
+
 float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2], float vertex_alpha) {
   float alpha = material.alpha * vertex_alpha;
   if (material.base_colour_texture) {

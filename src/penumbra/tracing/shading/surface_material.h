@@ -30,6 +30,11 @@ struct SurfaceMaterial {
 /// Reads the material and its textures at a point.
 [[nodiscard]] SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point);
 
+/// `shading` bent just so far that `wo` sees its front: interpolated normals and normal maps turn away from the eye
+/// near silhouettes, where a BSDF would show black. Unchanged where `wo` is on the same side of it as of the geometry.
+/// @param geometric_normal unit, in the hemisphere of the shading normal. @param wo unit, to where light goes.
+[[nodiscard]] Frame frame_towards(const Frame& shading, const Vec3d& geometric_normal, const Vec3d& wo);
+
 /// Opacity of a triangle's surface at texture coordinates, for alpha masks and blends: base alpha x texture x vertex
 /// alpha.
 [[nodiscard]] float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2],
