@@ -149,7 +149,8 @@ JsonPlace GltfDocument::item(std::string_view list, std::string_view noun, std::
   const auto elements = root().list(list);
   const std::size_t size = elements ? elements->size() : 0;
   if (index >= size) {
-    user.fail(fmt::format("names {} {}, but the file has {} of them; export the file again", noun, index, size));
+    user.fail(
+        fmt::format("names {} {}, but the file has {}, counted from 0; export the file again", noun, index, size));
   }
   return elements->item(static_cast<std::size_t>(index), noun);
 }

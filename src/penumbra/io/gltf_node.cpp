@@ -122,8 +122,8 @@ std::vector<std::uint32_t> roots_of(const GltfDocument& document, const Family& 
   for (std::size_t i = 0; i < list->size(); ++i) {
     const std::uint64_t n = list->whole_item(i);
     if (n >= family.parent.size()) {
-      scene->fail(
-          fmt::format("names node {}, but there are {} of them; export the file again", n, family.parent.size()));
+      scene->fail(fmt::format("names node {}, but there are {}, counted from 0; export the file again", n,
+                              family.parent.size()));
     }
     if (listed[n]) scene->fail(fmt::format("names node {} twice; export the file again", n));
     if (family.parent[n] != none) {

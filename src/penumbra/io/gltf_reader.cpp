@@ -105,7 +105,8 @@ class SceneReader {
     const std::uint64_t index = user.required_whole("light");
     const std::size_t count = lights ? lights->size() : 0;
     if (index >= count)
-      user.fail(fmt::format("names light {}, but the file has {} of them; export the file again", index, count));
+      user.fail(
+          fmt::format("names light {}, but the file has {}, counted from 0; export the file again", index, count));
     Light light = read_gltf_light(lights->item(static_cast<std::size_t>(index), "light"), to_world);
     if (!name.empty()) light.name = name;
     scene_.lights.push_back(std::move(light));

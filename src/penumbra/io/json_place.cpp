@@ -32,14 +32,16 @@ bool JsonPlace::has(std::string_view key) const { return find(key) != nullptr; }
 std::optional<JsonPlace> JsonPlace::object(std::string_view key) const {
   const JsonValue* value = find(key);
   if (value == nullptr) return std::nullopt;
-  if (value->object() == nullptr) fail(fmt::format("{} must be an object but is {}", key, kind_of(*value)));
+  if (value->object() == nullptr)
+    fail(fmt::format("{} must be an object but is {}; export the file again", key, kind_of(*value)));
   return child(key, *value);
 }
 
 std::optional<JsonPlace> JsonPlace::list(std::string_view key) const {
   const JsonValue* value = find(key);
   if (value == nullptr) return std::nullopt;
-  if (value->array() == nullptr) fail(fmt::format("{} must be an array but is {}", key, kind_of(*value)));
+  if (value->array() == nullptr)
+    fail(fmt::format("{} must be an array but is {}; export the file again", key, kind_of(*value)));
   return child(key, *value);
 }
 
@@ -47,7 +49,7 @@ bool JsonPlace::flag(std::string_view key, bool fallback) const {
   const JsonValue* value = find(key);
   if (value == nullptr) return fallback;
   if (const auto* flag = std::get_if<bool>(&value->content)) return *flag;
-  fail(fmt::format("{} must be true or false but is {}", key, kind_of(*value)));
+  fail(fmt::format("{} must be true or false but is {}; export the file again", key, kind_of(*value)));
 }
 
 std::optional<double> JsonPlace::number(std::string_view key) const {
@@ -56,7 +58,7 @@ std::optional<double> JsonPlace::number(std::string_view key) const {
   if (const auto* number = std::get_if<double>(&value->content); number != nullptr && std::isfinite(*number)) {
     return *number;
   }
-  fail(fmt::format("{} must be a finite number but is {}", key, kind_of(*value)));
+  fail(fmt::format("{} must be a finite number but is {}; export the file again", key, kind_of(*value)));
 }
 
 double JsonPlace::number(std::string_view key, double fallback) const { return number(key).value_or(fallback); }
@@ -65,14 +67,15 @@ std::string JsonPlace::text(std::string_view key) const {
   const JsonValue* value = find(key);
   if (value == nullptr) return {};
   if (const auto* text = std::get_if<std::string>(&value->content)) return *text;
-  fail(fmt::format("{} must be a string but is {}", key, kind_of(*value)));
+  fail(fmt::format("{} must be a string but is {}; export the file again", key, kind_of(*value)));
 }
 
 std::uint64_t JsonPlace::to_whole(std::string_view key, const JsonValue& value) const {
   const auto* number = std::get_if<double>(&value.content);
-  if (number == nullptr) fail(fmt::format("{} must be a whole number but is {}", key, kind_of(value)));
+  if (number == nullptr)
+    fail(fmt::format("{} must be a whole number but is {}; export the file again", key, kind_of(value)));
   if (!(*number >= 0 && *number <= 0x1p53) || std::floor(*number) != *number) {
-    fail(fmt::format("{} must be a whole number of at least 0 but is {}", key, *number));
+    fail(fmt::format("{} must be a whole number of at least 0 but is {}; export the file again", key, *number));
   }
   return static_cast<std::uint64_t>(*number);
 }
@@ -91,11 +94,13 @@ std::uint64_t JsonPlace::required_whole(std::string_view key) const {
 void JsonPlace::read_numbers(std::string_view key, double* values, std::size_t count) const {
   const auto numbers = list(key);
   const auto& elements = numbers->array();
-  if (elements.size() != count) fail(fmt::format("{} must hold {} numbers but holds {}", key, count, elements.size()));
+  if (elements.size() != count)
+    fail(fmt::format("{} must hold {} numbers but holds {}; export the file again", key, count, elements.size()));
   for (std::size_t i = 0; i < count; ++i) {
     const auto* number = std::get_if<double>(&elements[i].content);
     if (number == nullptr || !std::isfinite(*number)) {
-      fail(fmt::format("{} must hold finite numbers but element {} is {}", key, i, kind_of(elements[i])));
+      fail(fmt::format("{} must hold finite numbers but element {} is {}; export the file again", key, i,
+                       kind_of(elements[i])));
     }
     values[i] = *number;
   }
@@ -109,7 +114,7 @@ std::optional<JsonPlace> JsonPlace::extras(std::string_view name) const {
 
 const JsonValue::Array& JsonPlace::array() const {
   if (const auto* elements = value_->array()) return *elements;
-  fail(fmt::format("must be an array but is {}", kind_of(*value_)));
+  fail(fmt::format("must be an array but is {}; export the file again", kind_of(*value_)));
 }
 
 std::size_t JsonPlace::size() const { return array().size(); }
@@ -117,7 +122,8 @@ std::size_t JsonPlace::size() const { return array().size(); }
 JsonPlace JsonPlace::item(std::size_t i, std::string_view noun) const {
   const JsonValue& value = array()[i];
   JsonPlace place(value, *file_, fmt::format("{} {}", noun, i));
-  if (value.object() == nullptr) place.fail(fmt::format("must be an object but is {}", kind_of(value)));
+  if (value.object() == nullptr)
+    place.fail(fmt::format("must be an object but is {}; export the file again", kind_of(value)));
   return place;
 }
 
@@ -126,7 +132,7 @@ std::uint64_t JsonPlace::whole_item(std::size_t i) const { return to_whole(fmt::
 const std::string& JsonPlace::text_item(std::size_t i) const {
   const JsonValue& value = array()[i];
   if (const auto* text = std::get_if<std::string>(&value.content)) return *text;
-  fail(fmt::format("element {} must be a string but is {}", i, kind_of(value)));
+  fail(fmt::format("element {} must be a string but is {}; export the file again", i, kind_of(value)));
 }
 
 }  // namespace penumbra
