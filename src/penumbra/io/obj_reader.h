@@ -8,6 +8,8 @@ namespace penumbra {
 
 /// Reads Wavefront OBJ with its MTL files. Polygons are kept as faces beside their triangles (ear clipping for concave
 /// ones); positions are read in double precision and scaled by `unit`.
+/// Each `o` object is a mesh (without any, each `g` group; without any, the file). Colours of positions are linear.
+/// MtlMaterials says what becomes of MTL statements; a missing MTL file or picture is a warning.
 /// @param unit metres per file unit.
 /// Throws FileError that names the line.
 [[nodiscard]] LoadedScene read_obj(const std::filesystem::path& path, double unit = 1.0);

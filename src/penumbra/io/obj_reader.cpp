@@ -1,0 +1,110 @@
+#include "penumbra/io/obj_reader.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "penumbra/file/file_error.h"
+#include "penumbra/file/input_file.h"
+#include "penumbra/io/asset_path.h"
+#include "penumbra/io/mtl_library.h"
+#include "penumbra/io/mtl_material.h"
+#include "penumbra/io/obj_mesh.h"
+#include "penumbra/io/obj_model.h"
+#include "penumbra/io/text_cursor.h"
+#include "penumbra/io/warning_tally.h"
+
+namespace penumbra {
+namespace {
+
+// The names of one mtllib statement: a single file with blanks in its name if there is one, else several.
+std::vector<std::string> library_names(const std::string& names, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  const auto whole = asset_path(names);
+  if (whole && std::filesystem::exists(folder / *whole, ignored)) return {names};
+  std::vector<std::string> parted;
+  for (std::size_t at = names.find_first_not_of(" \t"); at != std::string::npos;) {
+    const std::size_t end = names.find_first_of(" \t", at);
+    parted.push_back(names.substr(at, end - at));
+    at = names.find_first_not_of(" \t", end);
+  }
+  return parted;
+}
+
+MtlLibrary read_libraries(const ObjModel& model, const std::filesystem::path& folder, WarningTally& warnings) {
+  MtlLibrary all;
+  for (const auto& [names, place] : model.libraries) {
+    for (const std::string& name : library_names(names, folder)) {
+      const auto relative = asset_path(name);
+      std::error_code ignored;
+      if (!relative) {
+        warnings.count("MTL files outside the folder of the OBJ are not read; copy them there",
+                       fmt::format("{} ({})", place, in_quotes(name)));
+      } else if (!std::filesystem::exists(folder / *relative, ignored)) {
+        warnings.count("the MTL file is not there, so its materials are matt grey; put it beside the OBJ",
+                       fmt::format("{} ({})", place, in_quotes(name)));
+      } else {
+        all.merge(read_mtl(folder / *relative, warnings));
+      }
+    }
+  }
+  return all;
+}
+
+// A name as written, or else what stands before a comment.
+MtlLibrary::const_iterator find_material(const MtlLibrary& library, const std::string& name) {
+  const auto found = library.find(name);
+  if (found != library.end()) return found;
+  const std::size_t comment = name.find(" #");
+  return comment == std::string::npos ? found : library.find(name.substr(0, name.find_last_not_of(" \t", comment) + 1));
+}
+
+// One material for each that faces use, in their order.
+void add_materials(const ObjModel& model, const MtlLibrary& library, const std::filesystem::path& folder, Scene& scene,
+                   WarningTally& warnings) {
+  MtlMaterials materials(folder, scene, warnings);
+  for (const std::string& name : model.material_names) {
+    if (const auto found = find_material(library, name); found != library.end()) {
+      scene.materials.push_back(materials.material(found->first, found->second));
+      continue;
+    }
+    Material material = default_obj_material();
+    if (!name.empty()) material.name = name;
+    scene.materials.push_back(std::move(material));
+    if (!name.empty() && !library.empty()) {
+      warnings.count("materials that no MTL file defines are matt grey", in_quotes(name));
+    }
+  }
+}
+
+}  // namespace
+
+LoadedScene read_obj(const std::filesystem::path& path, double unit) {
+  if (!(unit > 0) || !std::isfinite(unit))
+    throw std::invalid_argument("the unit of an OBJ must be a positive number of metres");
+  const std::string name = path.string();
+  WarningTally warnings(name);
+  LoadedScene loaded;
+  Scene& scene = loaded.scene;
+
+  const ObjModel model = [&] {
+    const auto bytes = read_file(path);
+    return parse_obj(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, unit, warnings);
+  }();
+  const auto folder = path.parent_path();
+  add_materials(model, read_libraries(model, folder, warnings), folder, scene, warnings);
+  scene.meshes = make_obj_meshes(model, name, warnings);
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
+    scene.instances.push_back({scene.meshes[m].name, m, Mat4d(1.0)});
+  loaded.warnings = warnings.sentences();
+  try {
+    validate(scene);
+  } catch (const std::invalid_argument& error) {
+    throw FileError(name, "", error.what());
+  }
+  return loaded;
+}
+
+}  // namespace penumbra
