@@ -8,7 +8,9 @@ namespace penumbra {
 namespace {
 
 constexpr int nodes = 4;
-constexpr double least_balance = 0.02;  // a shadow line closer than this share to a cell's rim does not split it
+constexpr double kink_share = 0.2;
+constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
+constexpr double least_balance = 0.02;       // a shadow line closer than this share to a cell's rim does not split it
 
 /// Legendre polynomials of degree 2 and 3 at the Gauss nodes, orthonormal on [0, 1].
 struct HighModes {
@@ -24,22 +26,26 @@ struct HighModes {
   }
 };
 
-/// How rough 4 x 4 values are: the error of their Gauss sum as a share of the piece's area. The Legendre coefficients
-/// of degree 3 and their decay from degree 2 are extrapolated to what Gauss misses; a kink keeps them from decaying.
-double roughness(std::span<const double> values) {
+/// The error of the Gauss sum of 4 x 4 values as a share of the piece's area, from their Legendre coefficients c_m.
+///
+/// A smooth integrand's coefficients decay like r^m, and Gauss misses those from degree 8 on: c_0 r^8, of which r^6 is
+/// taken to be safe. Those of one with a kink decay like m^-2 whatever the first ones say: a share of degree 2 and 3.
+double quadrature_error(std::span<const double> values, bool kinks) {
   static const HighModes modes;
-  double second = 0, third = 0;
+  double mean = 0, second = 0, third = 0;
+  for (std::size_t i = 0; i < nodes; ++i)
+    for (std::size_t j = 0; j < nodes; ++j) mean += modes.weight[i] * modes.weight[j] * values[i * nodes + j];
   for (int axis = 0; axis < 2; ++axis) {
-    for (std::size_t mode = 0; mode < 2; ++mode) {  // across: constant and linear-like
+    for (std::size_t mode = 0; mode < 2; ++mode) {  // across: constant, and a step that stands for all that is odd
       double c2 = 0, c3 = 0;
       for (std::size_t i = 0; i < nodes; ++i) {
+        double line = 0;
         for (std::size_t j = 0; j < nodes; ++j) {
           const double f = axis == 0 ? values[i * nodes + j] : values[j * nodes + i];
-          const double across = mode == 0 ? 1.0 : (j < nodes / 2 ? -1.0 : 1.0);
-          const double w = modes.weight[i] * modes.weight[j] * across * f;
-          c2 += w * modes.second[i];
-          c3 += w * modes.third[i];
+          line += modes.weight[j] * (mode == 1 && j < nodes / 2 ? -f : f);
         }
+        c2 += modes.weight[i] * line * modes.second[i];
+        c3 += modes.weight[i] * line * modes.third[i];
       }
       second += c2 * c2;
       third += c3 * c3;
@@ -47,9 +53,10 @@ double roughness(std::span<const double> values) {
   }
   second = std::sqrt(second);
   third = std::sqrt(third);
-  if (third == 0) return 0;
-  const double decay = std::min(1.0, third / std::max(second, 1e-300));
-  return 0.25 * third * decay;
+  if (kinks) return kink_share * std::hypot(third, 0.5 * second);
+  if (!(mean > 0)) return 0;
+  const double rate = std::min(1.0, std::max(std::sqrt(second / mean), std::cbrt(third / mean)));
+  return mean * std::pow(rate, 6);
 }
 
 }  // namespace
@@ -84,7 +91,7 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
   }
 }
 
-ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> points) {
+ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> points, bool kinks) {
   const std::size_t count =
       (points.size() + VisibleFragments::group - 1) / VisibleFragments::group * VisibleFragments::group;
   for (auto* v : {&x_, &y_, &z_, &factors_})
@@ -105,14 +112,15 @@ ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> poin
       e.exchange += points[k].weight * factors_[k];
       area += points[k].weight;
     }
-    e.error += std::abs(area) * roughness(std::span(factors_).subspan(first, tensor));
+    e.error += std::abs(area) * quadrature_error(std::span(factors_).subspan(first, tensor), kinks);
   }
   return e;
 }
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
-  const ExchangeEstimate e = rule_on(points_);
+  const ExchangeEstimate e =
+      rule_on(points_, blocker_count_ > 0 && (!lines_found_ || best_line(cell.polygon, negligible_balance) != nullptr));
   cell.exchange = e.exchange;
   cell.error = e.error;
 }
@@ -151,27 +159,32 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   return sum;
 }
 
+void ObstructedExchange::add_shadow_line(const ShadowLine& line) {
+  bool front = false, back = false;
+  for (const Vec3d& v : receiver_) {
+    const double d = line.plane.distance(v);
+    front |= d > 0;
+    back |= d < 0;
+  }
+  if (front && back) lines_.push_back(line);
+}
+
 void ObstructedExchange::find_shadow_lines() {
   lines_found_ = true;
-  const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to, bool corner_on_source) {
+  const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
     const double size = length(across);
     if (!(size > 1e-14 * length(from - pole) * length(to - pole))) return;
-    ShadowLine line{{across / size, dot(across / size, pole)}, pole, from, to, corner_on_source};
-    bool front = false, back = false;
-    for (const Vec3d& v : receiver_) {
-      const double d = line.plane.distance(v);
-      front |= d > 0;
-      back |= d < 0;
-    }
-    if (front && back) lines_.push_back(line);
+    add_shadow_line({{across / size, dot(across / size, pole)}, pole, from, to, true});
   };
   for (std::size_t k = 0; k < blocker_count_; ++k) {
     const auto& blocker = blockers_[k];
+    const Plane3 edge_on = polygon_plane(blocker);
+    add_shadow_line({edge_on, {}, {}, {}, false});
     for (std::size_t a = 0; a < source_.size(); ++a)
       for (std::size_t b = 0; b < blocker.size(); ++b) {
-        add(source_[a], blocker[b], blocker[(b + 1) % blocker.size()], true);
-        add(blocker[b], source_[a], source_[(a + 1) % source_.size()], false);
+        add(source_[a], blocker[b], blocker[(b + 1) % blocker.size()]);
+        add(blocker[b], source_[a], source_[(a + 1) % source_.size()]);
       }
   }
 }
@@ -179,6 +192,7 @@ void ObstructedExchange::find_shadow_lines() {
 /// Whether, somewhere along the line's chord through the cell, the corner covers a point of the edge itself and not
 /// only of its extension.
 bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> cell) const {
+  if (!line.bounded) return true;
   double least = 1e300, most = -1e300;
   for (std::size_t c = 0; c < cell.size(); ++c) {
     const Vec3d& p = cell[c];
@@ -196,23 +210,29 @@ bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> 
   return least <= 1 && most >= 0;
 }
 
-bool ObstructedExchange::split(const Cell& cell, Cell& left, Cell& right) {
-  if (!lines_found_) find_shadow_lines();
+/// The shadow line that cuts the cell most evenly and matters in it; nullptr when each leaves less than `least` of it
+/// on one side.
+const ObstructedExchange::ShadowLine* ObstructedExchange::best_line(std::span<const Vec3d> cell, double least) const {
   const ShadowLine* best = nullptr;
-  double best_balance = least_balance;
   for (const ShadowLine& line : lines_) {
     double front = 0, back = 0;
-    for (const Vec3d& v : cell.polygon) {
+    for (const Vec3d& v : cell) {
       const double d = line.plane.distance(v);
       front = std::max(front, d);
       back = std::max(back, -d);
     }
     const double balance = std::min(front, back) / (front + back);
-    if (balance > best_balance && matters(line, cell.polygon)) {
-      best_balance = balance;
+    if (balance > least && matters(line, cell)) {
+      least = balance;
       best = &line;
     }
   }
+  return best;
+}
+
+bool ObstructedExchange::split(const Cell& cell, Cell& left, Cell& right) {
+  if (!lines_found_) find_shadow_lines();
+  const ShadowLine* best = best_line(cell.polygon, least_balance);
   Plane3 cut;
   if (best) {
     cut = best->plane;

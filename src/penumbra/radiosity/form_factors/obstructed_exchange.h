@@ -49,15 +49,17 @@ class ObstructedExchange {
     double exchange = 0, error = 0;
   };
   struct ShadowLine {
-    Plane3 plane;    // its trace on the receiver is the line
-    Vec3d pole;      // the corner, of source or occluder
-    Vec3d from, to;  // the edge
-    bool corner_on_source = false;
+    Plane3 plane;         // its trace on the receiver is the line
+    Vec3d pole;           // the corner, of source or occluder
+    Vec3d from, to;       // the edge
+    bool bounded = true;  // false: an occluder's own plane, from which it is seen edge on
   };
 
   void find_shadow_lines();
+  void add_shadow_line(const ShadowLine& line);
   void evaluate(Cell& cell);
-  [[nodiscard]] ExchangeEstimate rule_on(std::span<const WeightedPoint> points);
+  [[nodiscard]] ExchangeEstimate rule_on(std::span<const WeightedPoint> points, bool kinks);
+  [[nodiscard]] const ShadowLine* best_line(std::span<const Vec3d> cell, double least) const;
   bool split(const Cell& cell, Cell& left, Cell& right);
   [[nodiscard]] bool matters(const ShadowLine& line, std::span<const Vec3d> cell) const;
 
