@@ -31,10 +31,8 @@ function installedValidator() {
 // One file a built-in scene, the atrium in two sizes so that both widths of indices are seen.
 function builtinScenes(folder) {
   const program = join(root, 'build/release/penumbra');
-  const list = execFileSync(program, ['scene', '--list'], { encoding: 'utf8' });
-  const names = list.split('\n').map((line) => line.trim().split(/\s+/)[0])
-    .filter((word) => /^[a-z][a-z0-9-]*$/.test(word));
-  const sources = [...new Set(names)].concat('atrium?triangles=500000');
+  const listed = JSON.parse(execFileSync(program, ['scene', '--list', '--json'], { encoding: 'utf8' }));
+  const sources = [...listed.scenes.map((scene) => scene.name), 'atrium?triangles=500000'];
   return sources.map((source) => {
     const file = join(folder, `${source.replace(/[?=&]/g, '-')}.glb`);
     execFileSync(program, ['scene', source, '-o', file, '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });

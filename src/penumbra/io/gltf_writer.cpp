@@ -163,7 +163,10 @@ class GltfWriter {
     root_[array].push_back(std::move(element));
     return root_[array].size() - 1;
   }
-  void add_node(Json node) { root_["scenes"][0]["nodes"].push_back(append("nodes", std::move(node))); }
+  void add_node(Json node) {
+    const std::size_t index = append("nodes", std::move(node));  // first: it moves what references into root_ point to
+    root_["scenes"][0]["nodes"].push_back(index);
+  }
 
   // Textures.
 
