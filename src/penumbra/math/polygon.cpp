@@ -89,9 +89,10 @@ double polygon_size(std::span<const Vec3d> polygon) {
 
 double planarity_error(std::span<const Vec3d> polygon) {
   if (polygon.size() < 4) return 0;
-  const Vec3d normal = polygon_normal(polygon), centre = polygon_centroid(polygon);
-  double worst = 0;
-  for (const Vec3d& p : polygon) worst = std::max(worst, std::abs(dot(normal, p - centre)));
+  const Vec3d normal = polygon_normal(polygon);
+  double mean = 0, worst = 0;
+  for (const Vec3d& p : polygon) mean += dot(normal, p - polygon[0]) / static_cast<double>(polygon.size());
+  for (const Vec3d& p : polygon) worst = std::max(worst, std::abs(dot(normal, p - polygon[0]) - mean));
   return worst;
 }
 

@@ -39,7 +39,7 @@ struct Plane3 {
 /// Length of the bounding box's diagonal: the size that tolerances refer to.
 [[nodiscard]] double polygon_size(std::span<const Vec3d> polygon);
 
-/// Largest distance of a corner from the polygon's own plane.
+/// Largest distance of a corner from the plane with the Newell normal through the mean of the corners.
 [[nodiscard]] double planarity_error(std::span<const Vec3d> polygon);
 
 /// True when no inner angle is reflex (beyond rounding) and the outline turns round once. Straight angles are convex.

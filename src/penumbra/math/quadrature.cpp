@@ -12,25 +12,26 @@ namespace penumbra {
 std::vector<GaussNode> make_gauss_legendre(int n) {
   if (n < 1) throw std::invalid_argument("A Gauss-Legendre rule needs 1 node or more.");
   std::vector<GaussNode> rule(static_cast<std::size_t>(n));
+  using Real = long double;  // so that nodes and weights are right to the last digit of a double
   for (int i = 0; i < (n + 1) / 2; ++i) {
-    double x = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5));
-    double derivative = 1;
+    Real x = std::cos(std::numbers::pi_v<Real> * (i + Real{0.75}) / (n + Real{0.5}));
+    Real derivative = 1;
     for (int step = 0; step < 100; ++step) {
-      double p = 1, before = 0;
+      Real p = 1, before = 0;
       for (int k = 1; k <= n; ++k) {
-        const double next = ((2 * k - 1) * x * p - (k - 1) * before) / k;
+        const Real next = ((2 * k - 1) * x * p - (k - 1) * before) / k;
         before = p;
         p = next;
       }
       derivative = n * (x * p - before) / (x * x - 1);
-      const double dx = p / derivative;
+      const Real dx = p / derivative;
       x -= dx;
-      if (std::abs(dx) < 1e-16) break;
+      if (std::abs(dx) < Real{1e-18}) break;
     }
     if (2 * i + 1 == n) x = 0;
-    const double weight = 1 / ((1 - x * x) * derivative * derivative);
-    rule[static_cast<std::size_t>(i)] = {0.5 * (1 - x), weight};
-    rule[static_cast<std::size_t>(n - 1 - i)] = {0.5 * (1 + x), weight};
+    const auto weight = static_cast<double>(1 / ((1 - x * x) * derivative * derivative));
+    rule[static_cast<std::size_t>(i)] = {static_cast<double>((1 - x) / 2), weight};
+    rule[static_cast<std::size_t>(n - 1 - i)] = {static_cast<double>((1 + x) / 2), weight};
   }
   return rule;
 }
