@@ -57,13 +57,15 @@ std::string compressed(const Sheet& sheet, Method method, int speed = 5) {
     const std::size_t width = a == 2 ? 2 : 3;
     for (int f = 0; f < triangle_total; ++f) {
       const float* corner = values[a]->data() + static_cast<std::size_t>(f) * 3 * width;
-      soup.SetAttributeValuesForFace(ids[a], draco::FaceIndex(static_cast<std::uint32_t>(f)), corner, corner + width, corner + 2 * width);
+      soup.SetAttributeValuesForFace(ids[a], draco::FaceIndex(static_cast<std::uint32_t>(f)), corner, corner + width,
+                                     corner + 2 * width);
     }
   }
   const std::unique_ptr<draco::Mesh> mesh = soup.Finalize();
   draco::Encoder encoder;
   encoder.SetSpeedOptions(speed, speed);
-  encoder.SetEncodingMethod(method == Method::edgebreaker ? draco::MESH_EDGEBREAKER_ENCODING : draco::MESH_SEQUENTIAL_ENCODING);
+  encoder.SetEncodingMethod(method == Method::edgebreaker ? draco::MESH_EDGEBREAKER_ENCODING
+                                                          : draco::MESH_SEQUENTIAL_ENCODING);
   draco::EncoderBuffer buffer;
   if (!encoder.EncodeMeshToBuffer(*mesh, &buffer).ok()) throw std::runtime_error("Draco did not encode");
   return {buffer.data(), buffer.size()};
@@ -73,13 +75,17 @@ GltfBuilder gltf_of(const std::string& draco_bytes) {
   GltfBuilder builder;
   builder.json["extensionsUsed"] = builder.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   const auto accessor = [&](const char* type) {
-    return builder.add("accessors", {{"componentType", gltf_float}, {"count", (sides + 1) * (sides + 1)}, {"type", type}});
+    return builder.add("accessors",
+                       {{"componentType", gltf_float}, {"count", (sides + 1) * (sides + 1)}, {"type", type}});
   };
   nlohmann::json primitive;
-  primitive["attributes"] = {{"POSITION", accessor("VEC3")}, {"NORMAL", accessor("VEC3")}, {"TEXCOORD_0", accessor("VEC2")}};
-  primitive["indices"] = builder.add("accessors", {{"componentType", gltf_uint16}, {"count", triangle_total * 3}, {"type", "SCALAR"}});
-  primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", builder.add_view(draco_bytes)},
-                                                           {"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"TEXCOORD_0", 2}}}};
+  primitive["attributes"] = {
+      {"POSITION", accessor("VEC3")}, {"NORMAL", accessor("VEC3")}, {"TEXCOORD_0", accessor("VEC2")}};
+  primitive["indices"] =
+      builder.add("accessors", {{"componentType", gltf_uint16}, {"count", triangle_total * 3}, {"type", "SCALAR"}});
+  primitive["extensions"]["KHR_draco_mesh_compression"] = {
+      {"bufferView", builder.add_view(draco_bytes)},
+      {"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"TEXCOORD_0", 2}}}};
   builder.show(primitive);
   return builder;
 }
@@ -128,7 +134,8 @@ TEST(DracoMesh, HoldsWhatThePlainMeshHolds) {
 
 TEST(DracoMesh, AnAttributeThatIsNotThereIsAnError) {
   auto builder = gltf_of(compressed(Sheet(), Method::edgebreaker));
-  auto& attributes = builder.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  auto& attributes =
+      builder.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"];
   attributes["POSITION"] = 17;
   EXPECT_THROW((void)builder.read(), FileError);
 }
@@ -141,7 +148,8 @@ TEST(DracoMesh, DamagedBytesGiveAMeshOrAnError) {
   for (int trial = 0; trial < 1500; ++trial) {
     std::string bytes = good[trial % 2];
     const auto flips = 1 + random.next_bits() % 4;
-    for (std::uint64_t i = 0; i < flips; ++i) bytes[random.next_bits() % bytes.size()] = static_cast<char>(random.next_bits());
+    for (std::uint64_t i = 0; i < flips; ++i)
+      bytes[random.next_bits() % bytes.size()] = static_cast<char>(random.next_bits());
     if (trial % 5 == 0) bytes.resize(random.next_bits() % bytes.size());
     try {
       const auto mesh = decode_draco(std::as_bytes(std::span(bytes)), wanted);

@@ -18,8 +18,9 @@ namespace {
 GltfBuilder triangle_of(nlohmann::json material) {
   GltfBuilder builder;
   builder.add("materials", std::move(material));
-  builder.show({{"attributes", {{"POSITION", builder.add_accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", gltf_float)}}},
-                {"material", 0}});
+  builder.show(
+      {{"attributes", {{"POSITION", builder.add_accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", gltf_float)}}},
+       {"material", 0}});
   return builder;
 }
 
@@ -60,12 +61,14 @@ TEST(GltfMaterial, DefaultsAreThoseOfGltf) {
 }
 
 TEST(GltfMaterial, FactorsAndModes) {
-  const Material m = read_material({{"name", "paint"},
-                                    {"pbrMetallicRoughness", {{"baseColorFactor", {0.25, 0.5, 0.75, 0.125}}, {"metallicFactor", 0}, {"roughnessFactor", 0.5}}},
-                                    {"alphaMode", "MASK"},
-                                    {"alphaCutoff", 0.75},
-                                    {"doubleSided", true},
-                                    {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}});
+  const Material m =
+      read_material({{"name", "paint"},
+                     {"pbrMetallicRoughness",
+                      {{"baseColorFactor", {0.25, 0.5, 0.75, 0.125}}, {"metallicFactor", 0}, {"roughnessFactor", 0.5}}},
+                     {"alphaMode", "MASK"},
+                     {"alphaCutoff", 0.75},
+                     {"doubleSided", true},
+                     {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}});
   EXPECT_EQ(m.name, "paint");
   EXPECT_EQ(m.base_colour, Rgb(0.25F, 0.5F, 0.75F));
   EXPECT_EQ(m.alpha, 0.125F);
@@ -86,9 +89,10 @@ TEST(GltfMaterial, EmissionIsFactorTimesStrength) {
 }
 
 TEST(GltfMaterial, SpecularAndIor) {
-  const Material m = read_material({{"extensions",
-                                     {{"KHR_materials_ior", {{"ior", 1.75}}},
-                                      {"KHR_materials_specular", {{"specularFactor", 0}, {"specularColorFactor", {0.5, 2, 1}}}}}}});
+  const Material m =
+      read_material({{"extensions",
+                      {{"KHR_materials_ior", {{"ior", 1.75}}},
+                       {"KHR_materials_specular", {{"specularFactor", 0}, {"specularColorFactor", {0.5, 2, 1}}}}}}});
   EXPECT_EQ(m.ior, 1.75F);
   EXPECT_EQ(m.specular, 0);
   EXPECT_EQ(m.specular_colour, Rgb(0.5F, 2, 1));
@@ -102,7 +106,8 @@ TEST(GltfMaterial, TransmissionWithoutAVolumeIsThin) {
   flat["KHR_materials_volume"] = {{"thicknessFactor", 0}};
   EXPECT_TRUE(read_material({{"extensions", flat}}).thin_walled);
   auto solid = glass;
-  solid["KHR_materials_volume"] = {{"thicknessFactor", 0.1}, {"attenuationColor", {0.5, 0.25, 1}}, {"attenuationDistance", 2}};
+  solid["KHR_materials_volume"] = {
+      {"thicknessFactor", 0.1}, {"attenuationColor", {0.5, 0.25, 1}}, {"attenuationDistance", 2}};
   const Material m = read_material({{"extensions", solid}});
   EXPECT_FALSE(m.thin_walled);
   EXPECT_EQ(m.transmission, 0.75F);
@@ -120,7 +125,9 @@ TEST(GltfMaterial, ValuesOutsideTheirRangeAreClampedWithOneWarning) {
 }
 
 TEST(GltfMaterial, ExtrasOfPenumbra) {
-  const Material m = read_material({{"extras", {{"penumbra", {{"mirror", {0.5, 0.25, 1}}, {"checker", {{"colour", {1, 0.5, 0}}, {"size", 2.5}}}}}}}});
+  const Material m = read_material(
+      {{"extras",
+        {{"penumbra", {{"mirror", {0.5, 0.25, 1}}, {"checker", {{"colour", {1, 0.5, 0}}, {"size", 2.5}}}}}}}});
   EXPECT_EQ(m.mirror, Rgb(0.5F, 0.25F, 1));
   ASSERT_TRUE(m.checker_colour);
   EXPECT_EQ(*m.checker_colour, Rgb(1, 0.5F, 0));
@@ -129,10 +136,13 @@ TEST(GltfMaterial, ExtrasOfPenumbra) {
 }
 
 TEST(GltfTexture, TexelsSamplerAndTransform) {
-  auto builder = triangle_of({{"pbrMetallicRoughness",
-                               {{"baseColorTexture",
-                                 {{"index", 0}, {"texCoord", 0},
-                                  {"extensions", {{"KHR_texture_transform", {{"offset", {0.25, 0.5}}, {"scale", {2, 3}}, {"texCoord", 1}}}}}}}}}});
+  auto builder = triangle_of(
+      {{"pbrMetallicRoughness",
+        {{"baseColorTexture",
+          {{"index", 0},
+           {"texCoord", 0},
+           {"extensions",
+            {{"KHR_texture_transform", {{"offset", {0.25, 0.5}}, {"scale", {2, 3}}, {"texCoord", 1}}}}}}}}}});
   add_texture(builder);
   builder.json["textures"][0]["sampler"] = 0;
   builder.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
@@ -156,10 +166,13 @@ TEST(GltfTexture, TexelsSamplerAndTransform) {
 TEST(GltfTexture, RotationMeetsTheExampleOfTheExtension) {
   // KHR_texture_transform: offset (0, 1), a quarter turn and scale 1/2 use "only the lower left quadrant of the source
   // image, rotated clockwise 90 degrees". v runs downwards, so that quadrant is u 0 to 1/2, v 1/2 to 1.
-  auto builder = triangle_of({{"emissiveFactor", {1, 1, 1}},
-                              {"emissiveTexture",
-                               {{"index", 0},
-                                {"extensions", {{"KHR_texture_transform", {{"offset", {0, 1}}, {"rotation", std::numbers::pi / 2}, {"scale", {0.5, 0.5}}}}}}}}});
+  auto builder =
+      triangle_of({{"emissiveFactor", {1, 1, 1}},
+                   {"emissiveTexture",
+                    {{"index", 0},
+                     {"extensions",
+                      {{"KHR_texture_transform",
+                        {{"offset", {0, 1}}, {"rotation", std::numbers::pi / 2}, {"scale", {0.5, 0.5}}}}}}}}});
   add_texture(builder);
   const Mat3f m = builder.read().scene.materials[0].emission_texture->transform;
   const auto moved = [&](float u, float v) { return Vec2f(m * Vec3f(u, v, 1)); };
@@ -198,9 +211,10 @@ TEST(GltfTexture, WebpSourceGoesFirst) {
 
 TEST(GltfTexture, AnUnreadableImageLeavesTheFactorsAndIsOneWarning) {
   for (const char* image : {"this is no image", "\x89PNG\r\n\x1a\n", ""}) {
-    auto builder = triangle_of({{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}, {"baseColorTexture", {{"index", 0}}}}},
-                                {"emissiveFactor", {1, 1, 1}},
-                                {"emissiveTexture", {{"index", 0}}}});
+    auto builder = triangle_of(
+        {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}, {"baseColorTexture", {{"index", 0}}}}},
+         {"emissiveFactor", {1, 1, 1}},
+         {"emissiveTexture", {{"index", 0}}}});
     add_texture(builder, image);
     const auto loaded = builder.read();
     EXPECT_TRUE(loaded.scene.images.empty());
@@ -231,8 +245,9 @@ Light read_light(const nlohmann::json& light, nlohmann::json node = nlohmann::js
 }
 
 TEST(GltfLight, PhotometricValuesAreDividedByTheLumensOfAWatt) {
-  const auto point = read_light({{"type", "point"}, {"intensity", 683}, {"color", {1, 0.5, 0}}, {"range", 4}, {"name", "bulb"}},
-                                {{"translation", {1, 2, 3}}});
+  const auto point =
+      read_light({{"type", "point"}, {"intensity", 683}, {"color", {1, 0.5, 0}}, {"range", 4}, {"name", "bulb"}},
+                 {{"translation", {1, 2, 3}}});
   EXPECT_EQ(point.name, "bulb");
   const auto& kind = std::get<PointLight>(point.kind);
   EXPECT_EQ(kind.intensity, Rgb(1, 0.5F, 0));
@@ -250,7 +265,8 @@ TEST(GltfLight, SpotAndSunShineAlongTheirNode) {
   const double half = std::sqrt(0.5);
   // A turn of -90 degrees about x takes -z to -y; scale changes no light.
   const nlohmann::json down = {{"rotation", {-half, 0, 0, half}}, {"scale", {3, 3, 3}}, {"name", "down"}};
-  const auto spot = read_light({{"type", "spot"}, {"intensity", 1366}, {"spot", {{"innerConeAngle", 0.25}, {"outerConeAngle", 0.5}}}}, down);
+  const auto spot = read_light(
+      {{"type", "spot"}, {"intensity", 1366}, {"spot", {{"innerConeAngle", 0.25}, {"outerConeAngle", 0.5}}}}, down);
   EXPECT_EQ(spot.name, "down");
   const auto& cone = std::get<SpotLight>(spot.kind);
   EXPECT_LT(length(cone.direction - Vec3d(0, -1, 0)), 1e-15);
@@ -267,7 +283,9 @@ TEST(GltfLight, SpotAndSunShineAlongTheirNode) {
 
 TEST(GltfScene, ExtrasHoldEnvironmentAndAmbientLight) {
   GltfBuilder builder;
-  builder.json["scenes"][0]["extras"] = {{"penumbra", {{"environment", {{"radiance", {0.25, 0.5, 1}}, {"backdrop_only", true}}}, {"ambient", {0.5, 0, 0}}}}};
+  builder.json["scenes"][0]["extras"] = {
+      {"penumbra",
+       {{"environment", {{"radiance", {0.25, 0.5, 1}}, {"backdrop_only", true}}}, {"ambient", {0.5, 0, 0}}}}};
   const auto scene = builder.read().scene;
   ASSERT_TRUE(scene.environment);
   EXPECT_EQ(scene.environment->radiance, Rgb(0.25F, 0.5F, 1));
@@ -279,8 +297,11 @@ TEST(GltfScene, ExtrasHoldEnvironmentAndAmbientLight) {
 
 TEST(GltfCamera, LensAndPlace) {
   GltfBuilder builder;
-  builder.add("cameras", {{"type", "perspective"}, {"name", "eye"}, {"perspective", {{"yfov", 0.75}, {"znear", 0.1}, {"aspectRatio", 2}}}});
-  builder.add("cameras", {{"type", "orthographic"}, {"orthographic", {{"ymag", 3}, {"xmag", 4}, {"znear", 0}, {"zfar", 9}}}});
+  builder.add("cameras", {{"type", "perspective"},
+                          {"name", "eye"},
+                          {"perspective", {{"yfov", 0.75}, {"znear", 0.1}, {"aspectRatio", 2}}}});
+  builder.add("cameras",
+              {{"type", "orthographic"}, {"orthographic", {{"ymag", 3}, {"xmag", 4}, {"znear", 0}, {"zfar", 9}}}});
   builder.show_node({{"camera", 0}, {"translation", {0, 1, 5}}, {"scale", {2, 2, 2}}});
   builder.show_node({{"camera", 1}, {"name", "plan"}, {"rotation", {0, 1, 0, 0}}});
   const auto cameras = builder.read().scene.cameras;

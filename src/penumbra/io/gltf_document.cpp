@@ -61,7 +61,7 @@ GltfDocument::GltfDocument(const std::filesystem::path& path)
   root_.emplace(json_, file_, "");
   check_version();
   check_extensions();
-  buffers_.resize(count("buffers"));
+  read_buffers();
 }
 
 // The container: a header of 12 bytes, then chunks of (length, type, bytes), JSON first (glTF 2.0, section 4.4).
@@ -155,17 +155,23 @@ JsonPlace GltfDocument::item(std::string_view list, std::string_view noun, std::
   return elements->item(static_cast<std::size_t>(index), noun);
 }
 
-std::span<const std::byte> GltfDocument::buffer(std::uint64_t index, const JsonPlace& user) {
+void GltfDocument::read_buffers() {
+  buffers_.resize(count("buffers"));
+  byte_count_ = bytes_.size();
+  for (std::size_t i = 0; i < buffers_.size(); ++i) {
+    const JsonPlace place = item("buffers", "buffer", i, root());
+    if (place.has("uri")) buffers_[i] = uri_bytes(place.text("uri"), place);
+    byte_count_ += buffers_[i].size();
+  }
+}
+
+std::span<const std::byte> GltfDocument::buffer(std::uint64_t index, const JsonPlace& user) const {
   const JsonPlace place = item("buffers", "buffer", index, user);
   const std::uint64_t length = place.required_whole("byteLength");
-  std::span<const std::byte> bytes;
+  std::span<const std::byte> bytes = buffers_[static_cast<std::size_t>(index)];
   if (!place.has("uri")) {
     if (index != 0 || !binary_) place.fail("has no uri, and there is no binary chunk for it; export the file again");
     bytes = *binary_;
-  } else {
-    auto& loaded = buffers_[static_cast<std::size_t>(index)];
-    if (!loaded) loaded = uri_bytes(place.text("uri"), place);
-    bytes = *loaded;
   }
   if (length > bytes.size()) {
     place.fail(fmt::format("its byteLength is {} but only {} bytes are there; copy or export the file again", length,
@@ -174,7 +180,7 @@ std::span<const std::byte> GltfDocument::buffer(std::uint64_t index, const JsonP
   return bytes.first(static_cast<std::size_t>(length));
 }
 
-GltfDocument::View GltfDocument::view(std::uint64_t index, const JsonPlace& user) {
+GltfDocument::View GltfDocument::view(std::uint64_t index, const JsonPlace& user) const {
   const JsonPlace place = item("bufferViews", "bufferView", index, user);
   const auto bytes = buffer(place.required_whole("buffer"), place);
   const std::uint64_t offset = place.whole("byteOffset").value_or(0);

@@ -15,11 +15,11 @@
 
 namespace penumbra {
 
-/// A glTF 2.0 file: its JSON, and its bytes by buffer view. Buffers are read when first asked for.
+/// A glTF 2.0 file: its JSON, and its bytes by buffer view.
 class GltfDocument {
  public:
-  /// Reads .glb (by its magic) or .gltf, and checks version and required extensions; each unknown optional extension
-  /// is one warning. Throws FileError.
+  /// Reads .glb (by its magic) or .gltf and its buffers, and checks version and required extensions; each unknown
+  /// optional extension is one warning. Throws FileError.
   explicit GltfDocument(const std::filesystem::path& path);
   GltfDocument(const GltfDocument&) = delete;
   GltfDocument& operator=(const GltfDocument&) = delete;
@@ -27,6 +27,8 @@ class GltfDocument {
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const JsonPlace& root() const { return *root_; }
   [[nodiscard]] WarningTally& warnings() { return warnings_; }
+  /// Bytes of the file and its buffers: what it holds is measured by this.
+  [[nodiscard]] std::size_t byte_count() const { return byte_count_; }
 
   /// How many elements the top-level list ("accessors") has; 0 when it is not there.
   [[nodiscard]] std::size_t count(std::string_view list) const;
@@ -40,7 +42,7 @@ class GltfDocument {
     std::size_t stride = 0;  ///< bytes from element to element; 0 for tightly packed
   };
   /// The bytes of a buffer view, wholly inside its buffer. They live as long as the document.
-  [[nodiscard]] View view(std::uint64_t index, const JsonPlace& user);
+  [[nodiscard]] View view(std::uint64_t index, const JsonPlace& user) const;
 
   /// The bytes that a `data:` URI holds or that a file beside the glTF holds. Throws FileError at `user`.
   [[nodiscard]] std::vector<std::byte> uri_bytes(const std::string& uri, const JsonPlace& user) const;
@@ -49,7 +51,8 @@ class GltfDocument {
   void split_glb();
   void check_version() const;
   void check_extensions();
-  [[nodiscard]] std::span<const std::byte> buffer(std::uint64_t index, const JsonPlace& user);
+  void read_buffers();
+  [[nodiscard]] std::span<const std::byte> buffer(std::uint64_t index, const JsonPlace& user) const;
 
   std::filesystem::path path_;
   std::string file_;
@@ -59,7 +62,8 @@ class GltfDocument {
   std::optional<std::span<const std::byte>> binary_;  // the BIN chunk of a .glb
   JsonValue json_;
   std::optional<JsonPlace> root_;
-  std::vector<std::optional<std::vector<std::byte>>> buffers_;
+  std::vector<std::vector<std::byte>> buffers_;  // those with a uri
+  std::size_t byte_count_ = 0;
 };
 
 }  // namespace penumbra

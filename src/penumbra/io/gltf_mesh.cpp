@@ -175,19 +175,37 @@ void finish(Mesh& mesh, const JsonPlace& place, WarningTally& warnings) {
 
 }  // namespace
 
+// Primitives may share accessors, so a small file could ask for any number of triangles. An honest one holds a triangle
+// in some 20 bytes, or in one when it is compressed.
+void GltfMeshes::check_size(std::size_t more_triangles, const JsonPlace& place) const {
+  const std::size_t most = (std::size_t{1} << 22) + 16 * document_->byte_count();
+  if (triangles_read_ + more_triangles > most) {
+    place.fail(
+        fmt::format("the file's {} bytes cannot hold as many triangles as it asks for ({} so far); export it again",
+                    document_->byte_count(), triangles_read_ + more_triangles));
+  }
+}
+
 std::vector<Mesh> GltfMeshes::read(std::uint64_t index, const JsonPlace& user) {
   const JsonPlace place = document_->item("meshes", "mesh", index, user);
   const auto primitives = place.list("primitives");
   if (!primitives || primitives->size() == 0) place.fail("has no primitives; export the file again");
 
+  std::size_t declared = 0;
+  for (std::size_t i = 0; i < primitives->size(); ++i) {
+    declared += declared_triangles(accessors_, primitives->item(i, place.place() + ", primitive"));
+  }
+  check_size(declared, place);
+
   std::vector<VertexGroup> groups;
   std::map<std::array<std::int64_t, gltf_attribute_count>, std::size_t> group_of_source;
   for (std::size_t i = 0; i < primitives->size(); ++i) {
     const JsonPlace primitive_place = primitives->item(i, place.place() + ", primitive");
-    auto primitive = read_gltf_primitive(*document_, accessors_, primitive_place, triangles_left_);
+    auto primitive = read_gltf_primitive(*document_, accessors_, primitive_place);
     if (!primitive || primitive->triangles.empty()) continue;
     const std::size_t count = primitive->triangles.size();
-    triangles_left_ -= count;
+    triangles_read_ += count;
+    if (primitive->draco) check_size(0, primitive_place);
     const auto gltf_material = primitive_place.whole("material");
     const std::uint32_t material =
         material_of_(gltf_material ? static_cast<std::int64_t>(*gltf_material) : -1, primitive_place);

@@ -24,10 +24,12 @@ class GltfMeshes {
   [[nodiscard]] std::vector<Mesh> read(std::uint64_t index, const JsonPlace& user);
 
  private:
+  void check_size(std::size_t more_triangles, const JsonPlace& place) const;
+
   GltfDocument* document_;
   GltfAccessors accessors_;
   std::function<std::uint32_t(std::int64_t, const JsonPlace&)> material_of_;
-  std::size_t triangles_left_ = max_gltf_triangles;
+  std::size_t triangles_read_ = 0;
   std::vector<std::uint32_t> new_vertex_;  // scratch: where a source vertex went, or none
 };
 

@@ -77,7 +77,7 @@ void read_attributes(GltfAccessors& accessors, const JsonPlace& place, const Jso
 }
 
 void read_triangles(GltfDocument& document, GltfAccessors& accessors, const JsonPlace& place, std::uint64_t mode,
-                    std::size_t most_triangles, GltfPrimitive& primitive) {
+                    GltfPrimitive& primitive) {
   const std::size_t vertices = primitive.attributes[position_attribute]->count;
   std::optional<GltfElements> indices;
   if (const auto index = place.whole("indices")) {
@@ -97,10 +97,6 @@ void read_triangles(GltfDocument& document, GltfAccessors& accessors, const Json
   }
   const Corners corners(indices, vertices);
   const std::size_t count = triangle_count(mode, corners.count());
-  if (count > most_triangles) {
-    place.fail(
-        fmt::format("the file holds more than {} triangles, the most that is read; split it", max_gltf_triangles));
-  }
   if (corners.count() < 3 || (mode == triangle_list && corners.count() % 3 != 0)) {
     document.warnings().count("corners that make no whole triangle were left out", place.place());
   }
@@ -114,7 +110,7 @@ void read_triangles(GltfDocument& document, GltfAccessors& accessors, const Json
 }
 
 void read_draco(GltfDocument& document, GltfAccessors& accessors, const JsonPlace& place, const JsonPlace& names,
-                const JsonPlace& compressed, std::size_t most_triangles, GltfPrimitive& primitive) {
+                const JsonPlace& compressed, GltfPrimitive& primitive) {
   const auto ids = compressed.object("attributes");
   if (!ids) compressed.fail("has no attributes; export the file again");
   std::vector<std::uint32_t> wanted;
@@ -133,10 +129,6 @@ void read_draco(GltfDocument& document, GltfAccessors& accessors, const JsonPlac
     compressed.fail(wrong.what());
   }
   const DracoMesh& mesh = *primitive.draco;
-  if (mesh.triangles.size() > most_triangles) {
-    place.fail(
-        fmt::format("the file holds more than {} triangles, the most that is read; split it", max_gltf_triangles));
-  }
   primitive.triangles = mesh.triangles;
   for (std::size_t a = 0; a < gltf_attribute_count; ++a) {
     if (!slot[a]) continue;
@@ -159,8 +151,16 @@ std::optional<JsonPlace> draco_of(const JsonPlace& place) {
 
 }  // namespace
 
+std::size_t declared_triangles(const GltfAccessors& accessors, const JsonPlace& place) {
+  const auto attributes = place.object("attributes");
+  auto corners = place.whole("indices");
+  if (!corners && attributes) corners = attributes->whole("POSITION");
+  if (!corners) return 0;
+  return triangle_count(place.whole("mode").value_or(triangle_list), accessors.shape(*corners, place).count);
+}
+
 std::optional<GltfPrimitive> read_gltf_primitive(GltfDocument& document, GltfAccessors& accessors,
-                                                 const JsonPlace& place, std::size_t most_triangles) {
+                                                 const JsonPlace& place) {
   const std::uint64_t mode = place.whole("mode").value_or(triangle_list);
   if (mode > triangle_fan)
     place.fail(fmt::format("its mode {} is none of glTF's (0 to 6); export the file again", mode));
@@ -178,7 +178,7 @@ std::optional<GltfPrimitive> read_gltf_primitive(GltfDocument& document, GltfAcc
 
   GltfPrimitive primitive;
   const auto compressed = draco_of(place);
-  if (compressed) read_draco(document, accessors, place, *names, *compressed, most_triangles, primitive);
+  if (compressed) read_draco(document, accessors, place, *names, *compressed, primitive);
   read_attributes(accessors, place, *names, primitive);
   for (std::size_t a = 0; a < gltf_attribute_count; ++a) {
     if (const auto& found = primitive.attributes[a]) {
@@ -186,7 +186,7 @@ std::optional<GltfPrimitive> read_gltf_primitive(GltfDocument& document, GltfAcc
                       place);
     }
   }
-  if (!compressed) read_triangles(document, accessors, place, mode, most_triangles, primitive);
+  if (!compressed) read_triangles(document, accessors, place, mode, primitive);
   return primitive;
 }
 

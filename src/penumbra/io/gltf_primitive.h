@@ -24,10 +24,6 @@ enum GltfAttribute : std::size_t {
 };
 inline constexpr std::size_t gltf_attribute_count = 6;
 
-/// The most triangles that one file may hold, instances not counted: primitives that share accessors could otherwise
-/// ask for any amount of memory.
-inline constexpr std::size_t max_gltf_triangles = std::size_t{1} << 27;
-
 /// The triangles of one glTF primitive, checked: corners lie inside the attributes, which are of one length.
 struct GltfPrimitive {
   std::vector<Mesh::Triangle> triangles;
@@ -37,9 +33,11 @@ struct GltfPrimitive {
   std::shared_ptr<const DracoMesh> draco;  ///< holds the attributes' bytes, if it was compressed
 };
 
-/// Reads primitive `place` as triangles; nothing for points and lines, which are a warning.
-/// @param most_triangles how many may still be read. Throws FileError.
+/// How many triangles primitive `place` asks for by its accessors' counts, before anything is read. Throws FileError.
+[[nodiscard]] std::size_t declared_triangles(const GltfAccessors& accessors, const JsonPlace& place);
+
+/// Reads primitive `place` as triangles; nothing for points and lines, which are a warning. Throws FileError.
 [[nodiscard]] std::optional<GltfPrimitive> read_gltf_primitive(GltfDocument& document, GltfAccessors& accessors,
-                                                               const JsonPlace& place, std::size_t most_triangles);
+                                                               const JsonPlace& place);
 
 }  // namespace penumbra
