@@ -104,6 +104,22 @@ TEST(Analytic, AddsUpOverParts) {
   }
 }
 
+TEST(Analytic, TheRulesAgreeWhereOneTakesOverFromAnother) {
+  // Parts are farther apart for their size than the whole, so they come by other rules.
+  Dice dice(17);
+  std::vector<Vec3d> left, right;
+  for (int k = 0; k < 400; ++k) {
+    const double distance = std::pow(10, dice.between(0.3, 3));
+    const Polygon a = dice.convex_polygon(), b = moved(dice.convex_polygon(), distance * dice.direction());
+    const Vec3d n = dice.direction();
+    const double offset = dot(n, polygon_centroid(b));
+    clip_polygon(b, {n, offset}, 0, left);
+    clip_polygon(b, {-n, -offset}, 0, right);
+    const double whole = exchange_area(a, b);
+    EXPECT_NEAR(exchange_area(a, left) + exchange_area(a, right), whole, 1e-11 * whole + 1e-16) << distance;
+  }
+}
+
 TEST(Analytic, DoesNotDependOnPlaceScaleOrNumbering) {
   Dice dice(16);
   for (int k = 0; k < 200; ++k) {

@@ -14,8 +14,11 @@
 namespace penumbra {
 namespace {
 
-/// A far pair takes the kernel at Gauss points while that needs no more evaluations than this.
-constexpr double most_kernel_evaluations = 700;
+/// A far pair takes the kernel at Gauss points while that needs no more evaluations than this,
+constexpr int most_kernel_evaluations = 2500;
+/// and a nearer one Lambert's sum at Gauss points while that needs no more edges than this: both are then faster than
+/// the contour sum.
+constexpr int most_lambert_edges = 200;
 /// Below this ratio of sizes the contour sum, whose error is rounding times the larger size, gives way to Gauss points
 /// on the smaller polygon.
 constexpr double unlike_sizes = 1e-3;
@@ -34,13 +37,21 @@ Ball bounding_ball(std::span<const Vec3d> polygon) {
   return ball;
 }
 
-/// Nodes each way of a Gauss rule over a surface of `radius`, `distance` from whatever makes the integrand singular,
-/// for a relative error of about 1e-13: the integrand is analytic in the ellipse through that place.
-int nodes_for(double radius, double distance) {
+/// Nodes each way of polygon_rule over a polygon of `radius` whose points see the integrand's singularities at
+/// `distance` or more, for a relative error of about 1e-13. The integrand is analytic in the ellipse through distance /
+/// radius, which leaves rho^-2n (measured: at most 10 times that for ratios of 2 and more); the rule on triangles needs
+/// one node more.
+int nodes_for(std::span<const Vec3d> polygon, double radius, double distance) {
   const double axis = distance / radius;
-  if (axis < 1) return max_tabled_gauss;
+  if (axis < 2) return max_tabled_gauss;
   const double rho = axis + std::hypot(axis, 1.0);
-  return std::min(max_tabled_gauss, 1 + static_cast<int>(std::ceil(0.5 * std::log(1e13) / std::log(rho))));
+  const int nodes = static_cast<int>(std::ceil(0.5 * std::log(1e13) / std::log(rho)));
+  return std::max(2, nodes) + (polygon.size() == 4 ? 0 : 1);
+}
+
+/// How many points polygon_rule makes of n nodes each way, at most.
+int rule_size(std::span<const Vec3d> polygon, int n) {
+  return n * n * (polygon.size() == 4 ? 1 : static_cast<int>(polygon.size()) - 2);
 }
 
 /// The part of a polygon in front of the other's plane; `clipped` holds it when that is not the whole.
@@ -76,18 +87,37 @@ double contour_sum(std::span<const Vec3d> first, std::span<const Vec3d> second) 
   return sum / (2 * std::numbers::pi);
 }
 
-/// The kernel summed over Gauss points of both: no cancellation however far they are.
-double kernel_sum(std::span<const WeightedPoint> first, const Vec3d& first_normal,
-                  std::span<const WeightedPoint> second, const Vec3d& second_normal) {
+/// Points in arrays whose length is a multiple of 4; those that fill up weigh nothing.
+void to_lanes(std::span<const WeightedPoint> rule, ExchangeAreaScratch::Points& out) {
+  const std::size_t padded = (rule.size() + 3) / 4 * 4;
+  for (std::vector<double>* lane : {&out.x, &out.y, &out.z, &out.weight}) lane->resize(padded);
+  for (std::size_t k = 0; k < padded; ++k) {
+    const WeightedPoint& p = rule[std::min(k, rule.size() - 1)];
+    out.x[k] = p.point.x;
+    out.y[k] = p.point.y;
+    out.z[k] = p.point.z;
+    out.weight[k] = k < rule.size() ? p.weight : 0;
+  }
+}
+
+/// The kernel summed over Gauss points of both: no cancellation however far they are. Four partial sums in a fixed
+/// order.
+double kernel_sum(std::span<const WeightedPoint> first, const Vec3d& n, const ExchangeAreaScratch::Points& second,
+                  const Vec3d& m) {
   double sum = 0;
   for (const WeightedPoint& p : first) {
-    double row = 0;
-    for (const WeightedPoint& q : second) {
-      const Vec3d d = q.point - p.point;
-      const double r2 = length_squared(d);
-      row += q.weight * dot(first_normal, d) * dot(second_normal, d) / (r2 * r2);
+    double row[4] = {0, 0, 0, 0};
+    for (std::size_t k = 0; k < second.x.size(); k += 4) {
+      for (std::size_t lane = 0; lane < 4; ++lane) {
+        const double x = second.x[k + lane] - p.point.x;
+        const double y = second.y[k + lane] - p.point.y;
+        const double z = second.z[k + lane] - p.point.z;
+        const double r2 = x * x + y * y + z * z;
+        row[lane] +=
+            second.weight[k + lane] * (n.x * x + n.y * y + n.z * z) * (m.x * x + m.y * y + m.z * z) / (r2 * r2);
+      }
     }
-    sum -= p.weight * row;
+    sum -= p.weight * ((row[0] + row[1]) + (row[2] + row[3]));
   }
   return sum / std::numbers::pi;
 }
@@ -108,7 +138,7 @@ double unlike_pair(std::span<const Vec3d> small, const Ball& small_ball, std::sp
   const Vec3d foot = centre - dot(normal, centre - large[0]) * normal;
   const Vec3d window[] = {foot - reach * x - reach * y, foot + reach * x - reach * y, foot + reach * x + reach * y,
                           foot - reach * x + reach * y};
-  const int nodes = nodes_for(small_ball.radius, reach - small_ball.radius);
+  const int nodes = nodes_for(small, small_ball.radius, reach - small_ball.radius);
   polygon_rule(small, nodes, scratch.first_rule);
   const double all_distance = dot(normal, centre - large[0]);
   if (all_distance >= reach) return lambert_sum(scratch.first_rule, small_normal, large);
@@ -130,12 +160,20 @@ double unlike_pair(std::span<const Vec3d> small, const Ball& small_ball, std::sp
 double scaled_exchange_area(std::span<const Vec3d> first, std::span<const Vec3d> second, ExchangeAreaScratch& scratch) {
   const Ball a = bounding_ball(first), b = bounding_ball(second);
   const double apart = length(b.centre - a.centre) - a.radius - b.radius;
-  if (apart > 4 * std::max(a.radius, b.radius)) {
-    const int n = nodes_for(a.radius, apart), m = nodes_for(b.radius, apart);
-    if (static_cast<double>(n * n) * (m * m) <= most_kernel_evaluations) {
+  if (apart > 2 * std::min(a.radius, b.radius)) {
+    const int n = nodes_for(first, a.radius, apart), m = nodes_for(second, b.radius, apart);
+    if (rule_size(first, n) * rule_size(second, m) <= most_kernel_evaluations) {
       polygon_rule(first, n, scratch.first_rule);
       polygon_rule(second, m, scratch.second_rule);
-      return kernel_sum(scratch.first_rule, polygon_normal(first), scratch.second_rule, polygon_normal(second));
+      to_lanes(scratch.second_rule, scratch.second_points);
+      return kernel_sum(scratch.first_rule, polygon_normal(first), scratch.second_points, polygon_normal(second));
+    }
+    const bool first_is_smaller = a.radius <= b.radius;
+    const std::span<const Vec3d> small = first_is_smaller ? first : second, large = first_is_smaller ? second : first;
+    const int nodes = first_is_smaller ? n : m;
+    if (rule_size(small, nodes) * static_cast<int>(large.size()) <= most_lambert_edges && is_convex(large)) {
+      polygon_rule(small, nodes, scratch.first_rule);
+      return lambert_sum(scratch.first_rule, polygon_normal(small), large);
     }
   }
   if (a.radius < unlike_sizes * b.radius && is_convex(second)) return unlike_pair(first, a, second, scratch);

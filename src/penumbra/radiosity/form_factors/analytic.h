@@ -10,8 +10,13 @@ namespace penumbra {
 
 /// Vectors that `exchange_area` may reuse from call to call; one for each thread.
 struct ExchangeAreaScratch {
+  /// Points by coordinate, for vector arithmetic.
+  struct Points {
+    std::vector<double> x, y, z, weight;
+  };
   std::vector<Vec3d> first, second, clipped_first, clipped_second;
   std::vector<WeightedPoint> first_rule, second_rule;
+  Points second_points;
 };
 
 /// A_1 F_12 = A_2 F_21 (m^2; Hottel's direct exchange area) between two polygons with nothing in between.
