@@ -17,8 +17,8 @@ inline constexpr int sobol_dimensions = 4;
 /// JCGT 9(4), 2020; hash constants of N. Vegdahl 2021). The same seed keeps a net a net.
 [[nodiscard]] std::uint32_t owen_scramble(std::uint32_t bits, std::uint32_t seed);
 
-/// The `index`-th point of an Owen-scrambled, shuffled (0,2)-sequence in [0,1)^2. Different keys give independent sequences,
-/// so high-dimensional samples are padded from several (Kollig & Keller 2002).
+/// The `index`-th point of an Owen-scrambled, shuffled (0,2)-sequence in [0,1)^2. Different keys give independent
+/// sequences, so high-dimensional samples are padded from several (Kollig & Keller 2002).
 [[nodiscard]] Vec2d owen_sobol_2d(std::uint32_t index, std::uint64_t key);
 
 /// The same in one dimension.

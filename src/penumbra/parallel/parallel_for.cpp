@@ -16,8 +16,8 @@ void parallel_for(std::size_t count, std::size_t grain,
   const std::size_t blocks = (count + grain - 1) / grain;
   const auto run = [&] {
     tbb::parallel_for(
-        std::size_t{0}, blocks,
-        [&](std::size_t b) { body(b * grain, std::min(count, (b + 1) * grain)); }, tbb::simple_partitioner{});
+        std::size_t{0}, blocks, [&](std::size_t b) { body(b * grain, std::min(count, (b + 1) * grain)); },
+        tbb::simple_partitioner{});
   };
   // The implicit arena never has more slots than the machine has cores; an explicit one obeys ThreadLimit
   // also above that.

@@ -29,7 +29,7 @@ class Appel final : public RayIntegrator {
     const Material& material = tracer_.scene().materials[point.material];
     if (front_sides_only_ && dot(point.geometric_normal, wo) < 0) return seen;
     const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
-    const Bsdf bsdf(surface, surface.shading, point.geometric_normal);
+    const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
     if (material.unlit || emits_towards(material, point.geometric_normal, wo)) seen.radiance = surface.emission;
     seen.radiance += direct_.lights().ambient() * bsdf.diffuse_reflectance();
     if (bsdf.has_spread()) seen.radiance += direct_.reflected(point, bsdf, wo, 0, 0, sampler, rays);
@@ -45,7 +45,8 @@ class Appel final : public RayIntegrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_appel(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options) {
+std::unique_ptr<Integrator> make_appel(const RayTracer& tracer, const CameraRays& camera,
+                                       const RenderOptions& options) {
   return std::make_unique<Appel>(tracer, camera, options);
 }
 

@@ -6,8 +6,8 @@
 
 namespace penumbra {
 
-Rgb DirectLight::reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit, int depth,
-                           PixelSampler& sampler, RayCounts& rays) const {
+Rgb DirectLight::reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
+                           int depth, PixelSampler& sampler, RayCounts& rays) const {
   Rgb sum(0);
   for (std::size_t light = 0; light < lights_.light_count(); ++light) {
     const auto s = lights_.sample_light(light, point, sampler.next_2d());

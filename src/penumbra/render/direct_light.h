@@ -8,17 +8,18 @@
 
 namespace penumbra {
 
-/// Light that reaches a surface straight from every light of the scene: Appel's and Whitted's shadow rays ('shadow feelers').
+/// Light that reaches a surface straight from every light of the scene: Appel's and Whitted's shadow rays ('shadow
+/// feelers').
 class DirectLight {
  public:
   /// @param through_glass whether transparent surfaces let shadow rays pass, see Shadow.
-  DirectLight(const RayTracer& tracer, bool through_glass)
-      : lights_(tracer.scene()), shadow_(tracer, through_glass) {}
+  DirectLight(const RayTracer& tracer, bool through_glass) : lights_(tracer.scene()), shadow_(tracer, through_glass) {}
 
-  /// Radiance that the surface sends towards `wo`: one shadow ray to each light. Lights with a body are met at a random point of
-  /// theirs, so that several samples a pixel make soft shadows. Lobes of roughness up to `roughness_limit` are left out.
-  [[nodiscard]] Rgb reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit, int depth,
-                              PixelSampler& sampler, RayCounts& rays) const;
+  /// Radiance that the surface sends towards `wo`: one shadow ray to each light. Lights with a body are met at a random
+  /// point of theirs, so that several samples a pixel make soft shadows. Lobes of roughness up to `roughness_limit` are
+  /// left out.
+  [[nodiscard]] Rgb reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
+                              int depth, PixelSampler& sampler, RayCounts& rays) const;
 
   [[nodiscard]] const LightSampler& lights() const { return lights_; }
 

@@ -12,15 +12,24 @@ struct LayerName {
 
 LayerName layer_name(Aov aov) {
   switch (aov) {
-    case Aov::albedo: return {"albedo", {"R", "G", "B"}};
-    case Aov::normal: return {"normal", {"X", "Y", "Z"}};
-    case Aov::depth: return {"depth", {"Z"}};
-    case Aov::position: return {"position", {"X", "Y", "Z"}};
-    case Aov::object: return {"object", {"id"}};
-    case Aov::direct: return {"direct", {"R", "G", "B"}};
-    case Aov::indirect: return {"indirect", {"R", "G", "B"}};
-    case Aov::variance: return {"variance", {"R", "G", "B"}};
-    case Aov::rays: return {"rays", {"count"}};
+    case Aov::albedo:
+      return {"albedo", {"R", "G", "B"}};
+    case Aov::normal:
+      return {"normal", {"X", "Y", "Z"}};
+    case Aov::depth:
+      return {"depth", {"Z"}};
+    case Aov::position:
+      return {"position", {"X", "Y", "Z"}};
+    case Aov::object:
+      return {"object", {"id"}};
+    case Aov::direct:
+      return {"direct", {"R", "G", "B"}};
+    case Aov::indirect:
+      return {"indirect", {"R", "G", "B"}};
+    case Aov::variance:
+      return {"variance", {"R", "G", "B"}};
+    case Aov::rays:
+      return {"rays", {"count"}};
   }
   return {};
 }
@@ -28,7 +37,10 @@ LayerName layer_name(Aov aov) {
 }  // namespace
 
 Film::Film(int width, int height, std::vector<Aov> aovs)
-    : width_(width), height_(height), aovs_(std::move(aovs)), pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+    : width_(width),
+      height_(height),
+      aovs_(std::move(aovs)),
+      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
   std::sort(aovs_.begin(), aovs_.end());
   aovs_.erase(std::unique(aovs_.begin(), aovs_.end()), aovs_.end());
   if (!aovs_.empty()) layers_.resize(pixels_.size());
@@ -74,15 +86,33 @@ Image Film::develop() const {
     for (const Aov aov : aovs_) {
       const Layers& l = layers_[i];
       switch (aov) {
-        case Aov::albedo: put(l.albedo / n); break;
-        case Aov::normal: put(length(l.normal) > 0 ? normalize(l.normal) : Vec3d(0)); break;
-        case Aov::depth: *out++ = l.depth; break;
-        case Aov::position: put(Vec3d(l.position)); break;
-        case Aov::object: *out++ = l.object; break;
-        case Aov::direct: put(l.direct / n); break;
-        case Aov::indirect: put(mean - l.direct / n); break;
-        case Aov::variance: put(n > 1 ? glm::max(Vec3d(0), l.squares / n - mean * mean) / (n - 1) : Vec3d(0)); break;
-        case Aov::rays: *out++ = static_cast<float>(l.rays / n); break;
+        case Aov::albedo:
+          put(l.albedo / n);
+          break;
+        case Aov::normal:
+          put(length(l.normal) > 0 ? normalize(l.normal) : Vec3d(0));
+          break;
+        case Aov::depth:
+          *out++ = l.depth;
+          break;
+        case Aov::position:
+          put(Vec3d(l.position));
+          break;
+        case Aov::object:
+          *out++ = l.object;
+          break;
+        case Aov::direct:
+          put(l.direct / n);
+          break;
+        case Aov::indirect:
+          put(mean - l.direct / n);
+          break;
+        case Aov::variance:
+          put(n > 1 ? glm::max(Vec3d(0), l.squares / n - mean * mean) / (n - 1) : Vec3d(0));
+          break;
+        case Aov::rays:
+          *out++ = static_cast<float>(l.rays / n);
+          break;
       }
     }
   }

@@ -10,19 +10,19 @@ namespace penumbra {
 /// What one camera ray saw.
 struct PixelEstimate {
   Rgb radiance{0};
-  Rgb direct{0};                ///< the part that came from a light by at most one surface (emission seen included)
-  Rgb albedo{0};                ///< of the first surface
-  Vec3f normal{0};              ///< shading normal of the first surface, world
-  Vec3f position{0};            ///< of the first surface, world, m
-  float depth = 0;              ///< distance to the first surface along the ray, m; infinite where there is none
-  float object = -1;            ///< number of the first surface's object; -1 where there is none
-  float rays = 0;               ///< traced for this sample
+  Rgb direct{0};      ///< the part that came from a light by at most one surface (emission seen included)
+  Rgb albedo{0};      ///< of the first surface
+  Vec3f normal{0};    ///< shading normal of the first surface, world
+  Vec3f position{0};  ///< of the first surface, world, m
+  float depth = 0;    ///< distance to the first surface along the ray, m; infinite where there is none
+  float object = -1;  ///< number of the first surface's object; -1 where there is none
+  float rays = 0;     ///< traced for this sample
 };
 
 /// Sums of samples, pixel by pixel. Different pixels may be written at once.
 ///
-/// Colour, albedo, normal and rays are means over the samples; position, depth and object are those of the first sample, since
-/// their means mean nothing. Variance is that of the pixel's mean.
+/// Colour, albedo, normal and rays are means over the samples; position, depth and object are those of the first
+/// sample, since their means mean nothing. Variance is that of the pixel's mean.
 class Film {
  public:
   Film(int width, int height, std::vector<Aov> aovs);

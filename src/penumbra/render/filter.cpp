@@ -29,11 +29,16 @@ double blackman_harris(double x, double radius) {
 
 double Filter::radius(FilterKind kind) {
   switch (kind) {
-    case FilterKind::box: return 0.5;
-    case FilterKind::tent: return 1;
-    case FilterKind::gaussian: return 1.5;
-    case FilterKind::mitchell: return 2;
-    case FilterKind::blackman_harris: return 1.5;
+    case FilterKind::box:
+      return 0.5;
+    case FilterKind::tent:
+      return 1;
+    case FilterKind::gaussian:
+      return 1.5;
+    case FilterKind::mitchell:
+      return 2;
+    case FilterKind::blackman_harris:
+      return 1.5;
   }
   return 0.5;
 }
@@ -42,12 +47,17 @@ double Filter::value(FilterKind kind, double x) {
   const double r = radius(kind);
   if (std::abs(x) > r) return 0;
   switch (kind) {
-    case FilterKind::box: return 1;
-    case FilterKind::tent: return 1 - std::abs(x);
+    case FilterKind::box:
+      return 1;
+    case FilterKind::tent:
+      return 1 - std::abs(x);
     // Lowered to 0 at its end, so that it stops without a step.
-    case FilterKind::gaussian: return std::exp(-2 * x * x) - std::exp(-2 * r * r);
-    case FilterKind::mitchell: return mitchell(x);
-    case FilterKind::blackman_harris: return blackman_harris(x, r);
+    case FilterKind::gaussian:
+      return std::exp(-2 * x * x) - std::exp(-2 * r * r);
+    case FilterKind::mitchell:
+      return mitchell(x);
+    case FilterKind::blackman_harris:
+      return blackman_harris(x, r);
   }
   return 0;
 }

@@ -7,10 +7,11 @@
 
 namespace penumbra {
 
-/// A reconstruction filter, used by drawing sample positions from it (Ernst, Stamminger & Greiner 2006): each sample then
-/// belongs to one pixel, so tiles share nothing and threads never meet.
+/// A reconstruction filter, used by drawing sample positions from it (Ernst, Stamminger & Greiner 2006): each sample
+/// then belongs to one pixel, so tiles share nothing and threads never meet.
 ///
-/// box: 1 pixel wide. tent, gaussian (sigma 0.5), mitchell (B = C = 1/3) and blackman_harris: 4, 3, 4 and 3 pixels wide.
+/// box: 1 pixel wide. tent, gaussian (sigma 0.5), mitchell (B = C = 1/3) and blackman_harris: 4, 3, 4 and 3 pixels
+/// wide.
 class Filter {
  public:
   explicit Filter(FilterKind kind);
@@ -35,8 +36,8 @@ class Filter {
 
   FilterKind kind_;
   double radius_;
-  float gain_ = 1;            // integral of |f| / integral of f, one axis
-  std::vector<double> cdf_;   // of |f| over equal steps of [-radius, radius]
+  float gain_ = 1;           // integral of |f| / integral of f, one axis
+  std::vector<double> cdf_;  // of |f| over equal steps of [-radius, radius]
 };
 
 }  // namespace penumbra

@@ -145,7 +145,8 @@ bool is_lit(const Scene& scene) {
     const auto& used = scene.meshes[instance.mesh].materials;
     if (std::any_of(used.begin(), used.end(), shines)) return true;
   }
-  return std::any_of(scene.shapes.begin(), scene.shapes.end(), [&](const ShapeObject& s) { return shines(s.material); });
+  return std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                     [&](const ShapeObject& s) { return shines(s.material); });
 }
 
 }  // namespace penumbra

@@ -11,8 +11,8 @@ namespace penumbra {
 
 /// A block of pixels and the samples to take of each.
 struct PixelBlock {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;       ///< [x0, x1) x [y0, y1), at most 4 x 4
-  int first_sample = 0, last_sample = 0;    ///< [first, last)
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;     ///< [x0, x1) x [y0, y1), at most 4 x 4
+  int first_sample = 0, last_sample = 0;  ///< [first, last)
 };
 
 /// How light is gathered along camera rays. Member functions are thread-safe.
@@ -40,8 +40,11 @@ class RayIntegrator : public Integrator {
 };
 
 /// Builds one of the integrators. `tracer` must outlive it.
-[[nodiscard]] std::unique_ptr<Integrator> make_appel(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options);
-[[nodiscard]] std::unique_ptr<Integrator> make_whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options);
-[[nodiscard]] std::unique_ptr<Integrator> make_path(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options);
+[[nodiscard]] std::unique_ptr<Integrator> make_appel(const RayTracer& tracer, const CameraRays& camera,
+                                                     const RenderOptions& options);
+[[nodiscard]] std::unique_ptr<Integrator> make_whitted(const RayTracer& tracer, const CameraRays& camera,
+                                                       const RenderOptions& options);
+[[nodiscard]] std::unique_ptr<Integrator> make_path(const RayTracer& tracer, const CameraRays& camera,
+                                                    const RenderOptions& options);
 
 }  // namespace penumbra

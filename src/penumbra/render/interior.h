@@ -2,18 +2,19 @@
 
 #include <array>
 
+#include "penumbra/scene/scene.h"
 #include "penumbra/tracing/hit.h"
 #include "penumbra/tracing/shading/fresnel.h"
-#include "penumbra/scene/scene.h"
 
 namespace penumbra {
 
 /// The transparent solids that a ray is inside of, innermost last; each absorbs along the way (Beer-Lambert).
 class Interior {
  public:
-  /// What is left of light after the segment that ends at `point`: by the innermost solid, or, when none was entered (the
-  /// camera may stand inside one), by the solid whose inside was hit.
-  [[nodiscard]] Rgb transmittance(const Scene& scene, const SurfacePoint& point, bool hit_front, double distance) const {
+  /// What is left of light after the segment that ends at `point`: by the innermost solid, or, when none was entered
+  /// (the camera may stand inside one), by the solid whose inside was hit.
+  [[nodiscard]] Rgb transmittance(const Scene& scene, const SurfacePoint& point, bool hit_front,
+                                  double distance) const {
     if (depth_ > 0) return absorb(scene.materials[solids_[depth_ - 1]], distance);
     const Material& hit = scene.materials[point.material];
     if (!hit_front && is_solid_glass(hit)) return absorb(hit, distance);

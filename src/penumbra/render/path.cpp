@@ -12,16 +12,17 @@
 namespace penumbra {
 namespace {
 
-// Bounces before Russian roulette may end a path, and the longest survival chance: even in a scene that absorbs nothing a path
-// ends with probability one.
+// Bounces before Russian roulette may end a path, and the longest survival chance: even in a scene that absorbs nothing
+// a path ends with probability one.
 constexpr int sure_bounces = 3;
 constexpr double most_survival = 0.95;
 
-// Of two ways to find the same light, the share of one with density `a` (Veach & Guibas 1995, power heuristic, exponent 2).
+// Of two ways to find the same light, the share of one with density `a` (Veach & Guibas 1995, power heuristic, exponent
+// 2).
 double power_heuristic(double a, double b) { return a * a / (a * a + b * b); }
 
-/// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance sampling;
-/// Russian roulette ends paths without bias.
+/// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance
+/// sampling; Russian roulette ends paths without bias.
 class Path final : public RayIntegrator {
  public:
   Path(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
@@ -39,8 +40,9 @@ class Path final : public RayIntegrator {
   struct Walk {
     Ray ray;
     Rgb throughput{1};
-    int depth = 0;            // bounces so far
-    double bsdf_pdf = 0;      // of the last direction; 0 after an ideal bounce and for camera rays: only BSDF sampling can find light then
+    int depth = 0;        // bounces so far
+    double bsdf_pdf = 0;  // of the last direction; 0 after an ideal bounce and for camera rays: only BSDF sampling can
+                          // find light then
     Vec3d last_position{0};
     bool mirrors_only = true;  // no lobe with spread yet
     Interior interior;
@@ -50,7 +52,8 @@ class Path final : public RayIntegrator {
   [[nodiscard]] Rgb emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface) const;
   [[nodiscard]] Rgb light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth,
                                       PixelSampler& sampler, RayCounts& rays) const;
-  [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler, RayCounts& rays) const;
+  [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler,
+                            RayCounts& rays) const;
 
   const RayTracer& tracer_;
   LightSampler lights_;
@@ -76,7 +79,8 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
     const SurfacePoint point = tracer_.surface_point(walk.ray, *hit);
     const Vec3d wo = -walk.ray.direction;
     const bool front = dot(point.geometric_normal, wo) > 0;
-    walk.throughput *= walk.interior.transmittance(tracer_.scene(), point, front, length(point.position - walk.ray.origin));
+    walk.throughput *=
+        walk.interior.transmittance(tracer_.scene(), point, front, length(point.position - walk.ray.origin));
     const Material& material = tracer_.scene().materials[point.material];
     if (front_sides_only_ && !front && material.transmission == 0) return seen;
 
@@ -85,7 +89,7 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
       walk.ray = leave(point, walk.ray.direction);  // seen through; the walk's memory of its last bounce stays
       continue;
     }
-    const Bsdf bsdf(surface, surface.shading, point.geometric_normal);
+    const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
     Rgb light = walk.throughput * emitted(walk, point, surface);
     if (walk.depth == 0) note_surface(seen, walk.ray, point, surface, bsdf, Rgb(0));
     if (walk.depth <= 1) seen.direct += light;
@@ -118,8 +122,8 @@ Rgb Path::emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMate
   return surface.emission * static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.pdf(walk.last_position, point)));
 }
 
-Rgb Path::light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth, PixelSampler& sampler,
-                            RayCounts& rays) const {
+Rgb Path::light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth,
+                            PixelSampler& sampler, RayCounts& rays) const {
   const double u_light = sampler.next_1d();
   const auto s = lights_.sample(point, u_light, sampler.next_2d());
   if (!s) return Rgb(0);
@@ -134,7 +138,8 @@ Rgb Path::light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const V
 }
 
 // Chooses where the path goes on; false when it ends.
-bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler, RayCounts& rays) const {
+bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler,
+                  RayCounts& rays) const {
   const double u_lobe = sampler.next_1d();
   const auto s = bsdf.sample(-walk.ray.direction, u_lobe, sampler.next_2d());
   if (!s) return false;
@@ -150,7 +155,11 @@ bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, Pixel
   walk.mirrors_only = walk.mirrors_only && s->ideal;
   walk.interior.cross(tracer_.scene(), point, s->direction, s->transmitted);
   walk.ray = leave(point, s->direction);
-  count(rays, !s->ideal ? RayPurpose::diffuse : s->transmitted ? RayPurpose::refraction : RayPurpose::reflection, walk.depth);
+  count(rays,
+        !s->ideal        ? RayPurpose::diffuse
+        : s->transmitted ? RayPurpose::refraction
+                         : RayPurpose::reflection,
+        walk.depth);
   return true;
 }
 

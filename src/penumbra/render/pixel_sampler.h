@@ -7,8 +7,9 @@
 
 namespace penumbra {
 
-/// The random numbers of one sample of one pixel: Owen-scrambled Sobol points over the samples, independent between pixels and
-/// between the dimensions drawn one after the other. They depend on (seed, pixel, sample, dimension) and nothing else.
+/// The random numbers of one sample of one pixel: Owen-scrambled Sobol points over the samples, independent between
+/// pixels and between the dimensions drawn one after the other. They depend on (seed, pixel, sample, dimension) and
+/// nothing else.
 class PixelSampler {
  public:
   PixelSampler(std::uint64_t seed, int x, int y, int sample)

@@ -16,11 +16,21 @@ inline constexpr std::size_t counted_depths = 64;
 /// Counts `rays` rays of one purpose at one depth.
 inline void count(RayCounts& counts, RayPurpose purpose, int depth, std::uint64_t rays = 1) {
   switch (purpose) {
-    case RayPurpose::primary: counts.primary += rays; break;
-    case RayPurpose::shadow: counts.shadow += rays; break;
-    case RayPurpose::reflection: counts.reflection += rays; break;
-    case RayPurpose::refraction: counts.refraction += rays; break;
-    case RayPurpose::diffuse: counts.diffuse += rays; break;
+    case RayPurpose::primary:
+      counts.primary += rays;
+      break;
+    case RayPurpose::shadow:
+      counts.shadow += rays;
+      break;
+    case RayPurpose::reflection:
+      counts.reflection += rays;
+      break;
+    case RayPurpose::refraction:
+      counts.refraction += rays;
+      break;
+    case RayPurpose::diffuse:
+      counts.diffuse += rays;
+      break;
   }
   const auto level = std::min(static_cast<std::size_t>(depth), counted_depths - 1);
   if (counts.by_depth.size() <= level) counts.by_depth.resize(level + 1, 0);

@@ -16,8 +16,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int tile_side = 32;   // pixels; a task
-constexpr int block_side = 4;   // pixels; a packet of rays
+constexpr int tile_side = 32;  // pixels; a task
+constexpr int block_side = 4;  // pixels; a packet of rays
 constexpr int most_samples_a_pass = 16;
 
 void check(const RenderOptions& o) {
@@ -37,17 +37,21 @@ void check(const RenderOptions& o) {
   }
 }
 
-std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options) {
+std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const CameraRays& camera,
+                                            const RenderOptions& options) {
   switch (options.integrator) {
-    case IntegratorKind::appel: return make_appel(tracer, camera, options);
-    case IntegratorKind::whitted: return make_whitted(tracer, camera, options);
-    case IntegratorKind::path: return make_path(tracer, camera, options);
+    case IntegratorKind::appel:
+      return make_appel(tracer, camera, options);
+    case IntegratorKind::whitted:
+      return make_whitted(tracer, camera, options);
+    case IntegratorKind::path:
+      return make_path(tracer, camera, options);
   }
   throw std::invalid_argument("unknown integrator");
 }
 
-// Samples are taken in passes over the whole picture, so that a render cut short is a whole, noisier picture. The passes double
-// from one sample; they do not depend on time, so neither do the sums.
+// Samples are taken in passes over the whole picture, so that a render cut short is a whole, noisier picture. The
+// passes double from one sample; they do not depend on time, so neither do the sums.
 std::vector<int> pass_ends(int samples) {
   std::vector<int> ends;
   for (int done = 0; done < samples;) {
@@ -103,7 +107,8 @@ class Job {
  private:
   bool cut_short() {
     if (cut_.load(std::memory_order_relaxed)) return true;
-    const bool late = options_.time_limit > 0 && std::chrono::duration<double>(Clock::now() - began_).count() > options_.time_limit;
+    const bool late =
+        options_.time_limit > 0 && std::chrono::duration<double>(Clock::now() - began_).count() > options_.time_limit;
     if (late || progress_.stop_requested()) cut_.store(true);
     return late || progress_.stop_requested();
   }
@@ -144,7 +149,8 @@ class Job {
 
 }  // namespace
 
-RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options, const Progress& progress) {
+RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
+                    const Progress& progress) {
   check(options);
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);

@@ -37,15 +37,16 @@ struct RenderOptions {
   IntegratorKind integrator = IntegratorKind::whitted;
   int width = 800;
   int height = 600;
-  int samples_per_pixel = 4;            ///< >= 1
+  int samples_per_pixel = 4;  ///< >= 1
   FilterKind filter = FilterKind::box;
-  int max_depth = 0;                    ///< longest path in segments after the primary ray; 0: 16 for whitted, no limit for path
-  double min_throughput = 1e-3;         ///< whitted ends a ray whose weight falls below this; path's Russian roulette starts there (unbiased)
-  std::optional<Region> region;         ///< none: everything
-  bool opaque_shadows = false;          ///< glass stops shadow rays in appel and whitted
-  bool front_sides_only = false;        ///< backs are black and opaque
+  int max_depth = 0;  ///< longest path in segments after the primary ray; 0: 16 for whitted, no limit for path
+  double min_throughput =
+      1e-3;  ///< whitted ends a ray whose weight falls below this; path's Russian roulette starts there (unbiased)
+  std::optional<Region> region;   ///< none: everything
+  bool opaque_shadows = false;    ///< glass stops shadow rays in appel and whitted
+  bool front_sides_only = false;  ///< backs are black and opaque
   std::uint64_t seed = 0;
-  double time_limit = 0;                ///< s, 0: none; the samples done by then are the picture
+  double time_limit = 0;  ///< s, 0: none; the samples done by then are the picture
   std::vector<Aov> aovs;
 };
 
@@ -57,15 +58,15 @@ struct RayCounts {
 };
 
 struct RenderResult {
-  Image image;             ///< scene-linear radiance R, G, B, then the layers asked for, named "layer.C"
+  Image image;  ///< scene-linear radiance R, G, B, then the layers asked for, named "layer.C"
   RayCounts rays;
   double mean_samples = 0;  ///< samples per pixel actually taken
   bool partial = false;     ///< stopped or out of time before all samples were done
   double seconds = 0;
 };
 
-/// Draws a picture. Bit-identical for any number of threads, given the same options (unless a time limit or a stop cuts it).
-/// Throws std::invalid_argument for options out of range.
+/// Draws a picture. Bit-identical for any number of threads, given the same options (unless a time limit or a stop cuts
+/// it). Throws std::invalid_argument for options out of range.
 [[nodiscard]] RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
                                   const Progress& progress = {});
 

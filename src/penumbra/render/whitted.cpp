@@ -1,7 +1,7 @@
 #include "penumbra/math/spectrum.h"
-#include "penumbra/render/integrator.h"
 #include "penumbra/render/direct_light.h"
 #include "penumbra/render/first_surface.h"
+#include "penumbra/render/integrator.h"
 #include "penumbra/render/interior.h"
 #include "penumbra/render/ray_tally.h"
 
@@ -12,8 +12,9 @@ namespace {
 constexpr double followed_roughness = 0.1;
 constexpr int default_depth = 16;
 
-/// Whitted 1979: shadow rays to every light, mirror and refraction rays followed recursively, each with the weight it carries
-/// to the picture, until the weight falls below a bound or the depth is reached; what they bring is returned up the tree.
+/// Whitted 1979: shadow rays to every light, mirror and refraction rays followed recursively, each with the weight it
+/// carries to the picture, until the weight falls below a bound or the depth is reached; what they bring is returned up
+/// the tree.
 class Whitted final : public RayIntegrator {
  public:
   Whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
@@ -41,8 +42,8 @@ class Whitted final : public RayIntegrator {
   };
 
   Rgb trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, RayCounts& rays, PixelEstimate* seen) const;
-  Rgb follow(const SurfacePoint& point, const Vec3d& direction, const Rgb& weight, const Branch& parent, RayPurpose purpose,
-             PixelSampler& sampler, RayCounts& rays) const;
+  Rgb follow(const SurfacePoint& point, const Vec3d& direction, const Rgb& weight, const Branch& parent,
+             RayPurpose purpose, PixelSampler& sampler, RayCounts& rays) const;
 
   const RayTracer& tracer_;
   DirectLight direct_;
@@ -51,7 +52,8 @@ class Whitted final : public RayIntegrator {
   bool front_sides_only_;
 };
 
-Rgb Whitted::trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, RayCounts& rays, PixelEstimate* seen) const {
+Rgb Whitted::trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, RayCounts& rays,
+                   PixelEstimate* seen) const {
   const auto hit = tracer_.nearest(ray);
   if (!hit) {
     const Rgb sky = direct_.lights().environment().radiance(ray.direction);
@@ -66,7 +68,7 @@ Rgb Whitted::trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, 
   if (front_sides_only_ && !front && material.transmission == 0) return Rgb(0);
 
   const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
-  const Bsdf bsdf(surface, surface.shading, point.geometric_normal);
+  const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
   const bool shines = material.unlit || emits_towards(material, point.geometric_normal, wo);
   Rgb radiance = shines ? surface.emission : Rgb(0);
   radiance += direct_.lights().ambient() * bsdf.diffuse_reflectance();
@@ -92,8 +94,8 @@ Rgb Whitted::trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, 
   return passed * radiance;
 }
 
-Rgb Whitted::follow(const SurfacePoint& point, const Vec3d& direction, const Rgb& weight, const Branch& parent, RayPurpose purpose,
-                    PixelSampler& sampler, RayCounts& rays) const {
+Rgb Whitted::follow(const SurfacePoint& point, const Vec3d& direction, const Rgb& weight, const Branch& parent,
+                    RayPurpose purpose, PixelSampler& sampler, RayCounts& rays) const {
   const Rgb carried = parent.weight * weight;
   if (parent.depth >= max_depth_ || max_component(carried) < static_cast<float>(min_throughput_)) return Rgb(0);
   Branch child{.weight = carried, .depth = parent.depth + 1, .interior = parent.interior};
@@ -104,7 +106,8 @@ Rgb Whitted::follow(const SurfacePoint& point, const Vec3d& direction, const Rgb
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options) {
+std::unique_ptr<Integrator> make_whitted(const RayTracer& tracer, const CameraRays& camera,
+                                         const RenderOptions& options) {
   return std::make_unique<Whitted>(tracer, camera, options);
 }
 

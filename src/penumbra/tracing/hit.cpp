@@ -17,15 +17,17 @@ Ray leave(const SurfacePoint& from, const Vec3d& direction) {
           .direction = direction};
 }
 
-Ray segment(const SurfacePoint& from, const Vec3d& target, const Vec3d& target_error) {
+Ray segment(const SurfacePoint& from, const Vec3d& target) {
   Ray ray = leave(from, target - from.position);
   const Vec3d way = target - ray.origin;
   const double distance = length(way);
   ray.direction = distance > 0 ? way / distance : from.geometric_normal;
-  // Single precision rounds the end of the segment too: 4 ulp of it are left out with the target's own error.
-  const double short_of = dot(glm::abs(ray.direction), target_error) + 4 * 0x1p-24 * distance;
-  ray.t_max = std::max(0.0, distance - short_of);
+  ray.t_max = distance * (1 - 4 * 0x1p-24);  // single precision rounds the end too
   return ray;
+}
+
+Ray segment(const SurfacePoint& from, const SurfacePoint& target) {
+  return segment(from, leave(target, from.position - target.position).origin);
 }
 
 }  // namespace penumbra

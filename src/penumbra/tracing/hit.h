@@ -18,13 +18,13 @@ struct Hit {
 /// The surface around a hit, world space.
 struct SurfacePoint {
   Vec3d position{0};
-  Vec3d error{0};                      ///< bound on each coordinate's rounding error, m
-  Vec3d geometric_normal{0, 0, 1};     ///< unit, towards the front, whatever side was hit
-  Vec3d shading_normal{0, 0, 1};       ///< unit, interpolated, in the geometric normal's hemisphere
-  Vec3d tangent{1, 0, 0};              ///< unit, along increasing u, perpendicular to the shading normal
-  Vec3d bitangent{0, 1, 0};            ///< unit, normal-map +Y (up in texture space), perpendicular to both
+  Vec3d error{0};                   ///< bound on each coordinate's rounding error, m
+  Vec3d geometric_normal{0, 0, 1};  ///< unit, towards the front, whatever side was hit
+  Vec3d shading_normal{0, 0, 1};    ///< unit, interpolated, in the geometric normal's hemisphere
+  Vec3d tangent{1, 0, 0};           ///< unit, along increasing u, perpendicular to the shading normal
+  Vec3d bitangent{0, 1, 0};         ///< unit, normal-map +Y (up in texture space), perpendicular to both
   Vec2f uv[2]{};
-  Vec4f colour{1};                     ///< vertex colour, linear, alpha in w
+  Vec4f colour{1};  ///< vertex colour, linear, alpha in w
   std::uint32_t object = 0;
   std::uint32_t primitive = 0;
   std::uint32_t material = 0;
@@ -34,8 +34,11 @@ struct SurfacePoint {
 /// that `direction` points to (after Pharr, Jakob & Humphreys, "Physically Based Rendering", 4th ed., 6.8.6).
 [[nodiscard]] Ray leave(const SurfacePoint& from, const Vec3d& direction);
 
-/// The open segment between a surface and a point, for shadow rays; `direction` is unit length and t_max ends before
-/// `target` by its error. @param target_error bound of the target's own rounding, m per coordinate.
-[[nodiscard]] Ray segment(const SurfacePoint& from, const Vec3d& target, const Vec3d& target_error = Vec3d(0));
+/// The open segment between a surface and a point in space, for shadow rays; `direction` is unit length.
+[[nodiscard]] Ray segment(const SurfacePoint& from, const Vec3d& target);
+
+/// The open segment between two surfaces: both ends are moved out of their error boxes, each to the side of the other,
+/// so that it meets neither surface, however flat it lies on them.
+[[nodiscard]] Ray segment(const SurfacePoint& from, const SurfacePoint& target);
 
 }  // namespace penumbra

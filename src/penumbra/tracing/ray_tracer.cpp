@@ -21,10 +21,16 @@ namespace {
 // Distance at which infinite planes end for the hierarchy, in diagonals of the rest of the scene.
 constexpr double horizon_in_diagonals = 1e4;
 
-// Rounding of one coordinate through single precision: the vertices and the ray's origin are each rounded to float (half an
-// ulp), and the robust intersector works on their float differences. 8 units cover the sum with a margin of two; rays that
-// start on a surface then find themselves on the right side of it.
+// Rounding of one coordinate through single precision: the vertices and the ray's origin are each rounded to float
+// (half an ulp), and the robust intersector works on their float differences. 8 units cover the sum with a margin of
+// two; rays that start on a surface then find themselves on the right side of it.
 constexpr double float_error = 8 * 0x1p-24;
+
+double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// The same bound on all three coordinates: on a triangle that lies along an axis one coordinate has no rounding at all,
+// and a ray that starts exactly in its plane would hit it at distance 0.
+Vec3d rounding_error(double size) { return Vec3d(float_error * size); }
 
 struct DeviceDeleter {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -47,10 +53,15 @@ struct MaskEntry {
 
 void shape_bounds_callback(const RTCBoundsFunctionArguments* args) {
   const auto* entry = static_cast<const ShapeEntry*>(args->geometryUserPtr);
-  const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -std::numeric_limits<float>::infinity()); };
-  const auto up = [](double v) { return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity()); };
+  const auto down = [](double v) {
+    return std::nextafter(static_cast<float>(v), -std::numeric_limits<float>::infinity());
+  };
+  const auto up = [](double v) {
+    return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity());
+  };
   const Bounds& b = entry->bounds;
-  *args->bounds_o = {down(b.lower.x), down(b.lower.y), down(b.lower.z), 0, up(b.upper.x), up(b.upper.y), up(b.upper.z), 0};
+  *args->bounds_o = {down(b.lower.x), down(b.lower.y), down(b.lower.z), 0,
+                     up(b.upper.x),   up(b.upper.y),   up(b.upper.z),   0};
 }
 
 Ray lane_ray(RTCRayN* rays, unsigned n, unsigned i) {
@@ -134,7 +145,7 @@ struct RayTracer::Impl {
   std::vector<Entry> entries;  // by geometry number of `world`
   std::vector<std::unique_ptr<ShapeEntry>> shapes;
   std::vector<std::unique_ptr<MaskEntry>> masks;
-  std::vector<char> mirrored;        // by instance
+  std::vector<char> mirrored;          // by instance
   std::vector<Mat3d> normal_matrices;  // by instance, sign mended when mirrored
   Bounds bounds;
   bool native_packets = false;
@@ -346,7 +357,8 @@ void RayTracer::nearest(const RayPacket& rays, HitPacket& hits) const {
     rtcIntersect16(rays.active, impl_->world.get(), &context, &query);
   } else {
     put_to_sleep(rays, query.ray);
-    rtcIntersectNM(impl_->world.get(), &context, reinterpret_cast<RTCRayHitN*>(&query), RayPacket::size, 1, sizeof query);
+    rtcIntersectNM(impl_->world.get(), &context, reinterpret_cast<RTCRayHitN*>(&query), RayPacket::size, 1,
+                   sizeof query);
   }
   std::memcpy(hits.t, query.ray.tfar, sizeof hits.t);
   std::memcpy(hits.normal_x, query.hit.Ng_x, sizeof hits.normal_x);
@@ -382,7 +394,8 @@ void RayTracer::occluded(RayPacket& rays) const {
 namespace {
 
 // Unit vectors along u and -v (normal-map +Y is up in texture space) from the triangle's texture coordinates.
-void tangents_from_uv(const Mesh& mesh, const Mesh::Triangle& triangle, const Vec3d& e1, const Vec3d& e2, SurfacePoint& p) {
+void tangents_from_uv(const Mesh& mesh, const Mesh::Triangle& triangle, const Vec3d& e1, const Vec3d& e2,
+                      SurfacePoint& p) {
   const Frame fallback(p.shading_normal);
   p.tangent = fallback.tangent;
   p.bitangent = fallback.bitangent;
@@ -400,8 +413,8 @@ void tangents_from_uv(const Mesh& mesh, const Mesh::Triangle& triangle, const Ve
   p.bitangent = hand * cross(p.shading_normal, p.tangent);
 }
 
-void tangents_from_mesh(const Mesh& mesh, const Mesh::Triangle& triangle, const Mat4d& to_world, const Vec2d& b, bool mirrored,
-                        SurfacePoint& p) {
+void tangents_from_mesh(const Mesh& mesh, const Mesh::Triangle& triangle, const Mat4d& to_world, const Vec2d& b,
+                        bool mirrored, SurfacePoint& p) {
   const Vec4f t = interpolate(mesh.tangents, triangle, b);
   const Vec3d along = transform_vector(to_world, Vec3d(t));
   const Vec3d flat = along - dot(along, p.shading_normal) * p.shading_normal;
@@ -428,7 +441,7 @@ SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
     p.uv[0] = p.uv[1] = s.uv;
     p.material = object.material;
     const auto* ball = std::get_if<Sphere>(&object.shape);
-    p.error = float_error * (glm::abs(p.position) + Vec3d(ball ? ball->radius : 0.0));
+    p.error = rounding_error(largest(p.position) + (ball ? ball->radius : 0.0));
     return p;
   }
 
@@ -442,7 +455,7 @@ SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
   const Vec3d e2 = v2 - v0;
   const Vec2d b = hit.barycentric;
   p.position = v0 + b.x * e1 + b.y * e2;
-  p.error = float_error * (glm::max(glm::max(glm::abs(v0), glm::abs(v1)), glm::abs(v2)) + glm::max(glm::abs(e1), glm::abs(e2)));
+  p.error = rounding_error(std::max({largest(v0), largest(v1), largest(v2)}) + std::max(largest(e1), largest(e2)));
   const bool mirrored = impl_->mirrored[hit.object] != 0;
   const Vec3d ng = (mirrored ? -1.0 : 1.0) * cross(e1, e2);
   const double area2 = length(ng);

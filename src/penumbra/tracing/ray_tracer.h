@@ -25,7 +25,8 @@ struct alignas(64) RayPacket {
 struct alignas(64) HitPacket {
   static constexpr std::uint32_t no_hit = 0xFFFFFFFFU;
   float t[RayPacket::size];
-  float normal_x[RayPacket::size], normal_y[RayPacket::size], normal_z[RayPacket::size];  ///< geometric, towards the front, not unit
+  float normal_x[RayPacket::size], normal_y[RayPacket::size],
+      normal_z[RayPacket::size];  ///< geometric, towards the front, not unit
   float u[RayPacket::size], v[RayPacket::size];
   std::uint32_t object[RayPacket::size];
   std::uint32_t primitive[RayPacket::size];

@@ -8,8 +8,8 @@
 
 namespace penumbra {
 
-/// Distance to the first crossing of an exact shape within (t_min, t_max), in double precision. `ray.direction` need not
-/// be unit length; the distance is then in its lengths.
+/// Distance to the first crossing of an exact shape within (t_min, t_max), in double precision. `ray.direction` need
+/// not be unit length; the distance is then in its lengths.
 [[nodiscard]] std::optional<double> intersect(const Sphere& sphere, const Ray& ray);
 [[nodiscard]] std::optional<double> intersect(const Disk& disk, const Ray& ray);
 [[nodiscard]] std::optional<double> intersect(const Cylinder& cylinder, const Ray& ray);

@@ -14,7 +14,8 @@ using std::numbers::pi;
 // Which cell of a cumulative distribution holds u, and where in it (0..1).
 std::pair<std::size_t, double> find_cell(const double* cdf, std::size_t cells, double u) {
   const double* above = std::upper_bound(cdf, cdf + cells + 1, u);
-  const auto cell = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above - cdf - 1, 0, static_cast<std::ptrdiff_t>(cells) - 1));
+  const auto cell =
+      static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(above - cdf - 1, 0, static_cast<std::ptrdiff_t>(cells) - 1));
   const double width = cdf[cell + 1] - cdf[cell];
   return {cell, width > 0 ? std::min((u - cdf[cell]) / width, 1 - 1e-12) : 0.5};
 }
@@ -66,8 +67,9 @@ EnvironmentMap::EnvironmentMap(const Scene& scene) {
 }
 
 Rgb EnvironmentMap::texel(int x, int y) const {
-  const auto at = (static_cast<std::size_t>(y) * static_cast<std::size_t>(image_->width) + static_cast<std::size_t>(x)) *
-                  static_cast<std::size_t>(image_->channels);
+  const auto at =
+      (static_cast<std::size_t>(y) * static_cast<std::size_t>(image_->width) + static_cast<std::size_t>(x)) *
+      static_cast<std::size_t>(image_->channels);
   const auto channel = [&](int c) { return at + static_cast<std::size_t>(image_->channels >= 3 ? c : 0); };
   if (const auto* values = std::get_if<std::vector<float>>(&image_->texels)) {
     return {(*values)[channel(0)], (*values)[channel(1)], (*values)[channel(2)]};

@@ -10,7 +10,8 @@ namespace penumbra {
 /// The scene's environment as a light: looked up by direction, and sampled in proportion to its brightness.
 ///
 /// Latitude-longitude picture, +Y up, its centre towards -Z, u to the right as seen from inside. Sampling by the
-/// piecewise-constant distribution of Pharr, Jakob & Humphreys (PBRT, 4th ed., A.5); without a picture uniform over the sphere.
+/// piecewise-constant distribution of Pharr, Jakob & Humphreys (PBRT, 4th ed., A.5); without a picture uniform over the
+/// sphere.
 class EnvironmentMap {
  public:
   /// A black one when the scene has none.

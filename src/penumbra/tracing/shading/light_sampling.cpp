@@ -16,7 +16,9 @@ using std::numbers::pi;
 constexpr std::uint32_t no_light = 0xFFFFFFFFU;
 
 // Rounding of a point on a light: its shadow ray ends before it.
-Vec3d rounding(const Vec3d& p, double size) { return (8 * 0x1p-24) * (glm::abs(p) + Vec3d(size)); }
+Vec3d rounding(const Vec3d& p, double size) {
+  return Vec3d((8 * 0x1p-24) * (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) + size));
+}
 
 struct WorldTriangle {
   Vec3d v0, e1, e2;
@@ -105,7 +107,8 @@ void LightSampler::add_mesh(std::uint32_t object) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Material& m = scene_->materials[mesh.material_of(t)];
     if (!m.emits()) continue;
-    const double power = pi * sides(m) * luminance(m.emission) * length(world_triangle(instance, mesh, t).area_normal());
+    const double power =
+        pi * sides(m) * luminance(m.emission) * length(world_triangle(instance, mesh, t).area_normal());
     if (!(power > 0)) continue;
     source.power += power;
     source.triangles.push_back(t);
@@ -145,13 +148,18 @@ void LightSampler::finish_choice() {
   for (double& c : choice_cdf_) c /= std::max(choice_cdf_.back(), std::numeric_limits<double>::min());
 }
 
-std::optional<LightSample> LightSampler::sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u) const {
+std::optional<LightSample> LightSampler::sample_light(std::size_t light, const SurfacePoint& from,
+                                                      const Vec2d& u) const {
   const Source& source = lights_[light];
   switch (source.kind) {
-    case Kind::punctual: return sample_punctual(source, from);
-    case Kind::mesh: return sample_mesh(source, from, u);
-    case Kind::shape: return sample_shape(source, from, u);
-    case Kind::environment: return sample_environment(from, u);
+    case Kind::punctual:
+      return sample_punctual(source, from);
+    case Kind::mesh:
+      return sample_mesh(source, from, u);
+    case Kind::shape:
+      return sample_shape(source, from, u);
+    case Kind::environment:
+      return sample_environment(from, u);
   }
   return std::nullopt;
 }
@@ -186,19 +194,21 @@ std::optional<LightSample> LightSampler::sample_punctual(const Source& source, c
   const double distance = length(way);
   if (!(distance > 0)) return std::nullopt;
   s.direction = way / distance;
-  s.shadow_ray = segment(from, position, rounding(position, 0));
+  s.shadow_ray = segment(from, position);
   if (point && !point->inverse_square) {
     s.radiance = point->intensity * static_cast<float>(pi);
     return s;
   }
-  const double window = range_window(distance, point ? point->range : spot->range) * (spot ? spot_window(*spot, -s.direction) : 1);
+  const double window =
+      range_window(distance, point ? point->range : spot->range) * (spot ? spot_window(*spot, -s.direction) : 1);
   if (window <= 0) return std::nullopt;
   s.radiance = (point ? point->intensity : spot->intensity) * static_cast<float>(window / (distance * distance));
   return s;
 }
 
 // Turns a point of a light, chosen with a density over area, into a direction with a density over solid angle.
-std::optional<LightSample> LightSampler::towards(const SurfacePoint& from, const SurfacePoint& light, double area_pdf) const {
+std::optional<LightSample> LightSampler::towards(const SurfacePoint& from, const SurfacePoint& light,
+                                                 double area_pdf) const {
   const Vec3d way = light.position - from.position;
   const double distance2 = length_squared(way);
   if (!(distance2 > 0)) return std::nullopt;
@@ -210,7 +220,7 @@ std::optional<LightSample> LightSampler::towards(const SurfacePoint& from, const
   s.pdf = area_pdf * distance2 / cosine;
   s.radiance = material.emission_texture ? surface_material(*scene_, light).emission : material.emission;
   if (!(s.pdf > 0) || !std::isfinite(s.pdf) || is_black(s.radiance)) return std::nullopt;
-  s.shadow_ray = segment(from, light.position, light.error);
+  s.shadow_ray = segment(from, light);
   return s;
 }
 
@@ -237,12 +247,14 @@ std::optional<LightSample> LightSampler::sample_mesh(const Source& source, const
   for (int set = 0; set < 2; ++set) {
     const auto& uv = mesh.uv[set];
     if (uv.empty()) continue;
-    light.uv[set] = static_cast<float>(1 - b.x - b.y) * uv[c[0]] + static_cast<float>(b.x) * uv[c[1]] + static_cast<float>(b.y) * uv[c[2]];
+    light.uv[set] = static_cast<float>(1 - b.x - b.y) * uv[c[0]] + static_cast<float>(b.x) * uv[c[1]] +
+                    static_cast<float>(b.y) * uv[c[2]];
   }
   return towards(from, light, chance / area);
 }
 
-std::optional<LightSample> LightSampler::sample_shape(const Source& source, const SurfacePoint& from, const Vec2d& u) const {
+std::optional<LightSample> LightSampler::sample_shape(const Source& source, const SurfacePoint& from,
+                                                      const Vec2d& u) const {
   const ShapeObject& object = scene_->shapes[source.index - scene_->instances.size()];
   SurfacePoint light;
   light.object = source.index;
@@ -267,7 +279,7 @@ std::optional<LightSample> LightSampler::sample_shape(const Source& source, cons
       s.direction = direction;
       s.pdf = 1 / (2 * pi * one_minus_cos);
       s.radiance = surface_material(*scene_, light).emission;
-      s.shadow_ray = segment(from, light.position, light.error);
+      s.shadow_ray = segment(from, light);
       return s;
     }
     light.geometric_normal = sample_sphere(u);

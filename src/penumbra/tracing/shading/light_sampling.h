@@ -20,10 +20,11 @@ struct LightSample {
   [[nodiscard]] Rgb weight() const { return pdf > 0 ? radiance / static_cast<float>(pdf) : radiance; }
 };
 
-/// All lights of a scene, for shadow rays: punctual lights, emissive objects (each a light of its own) and the environment.
+/// All lights of a scene, for shadow rays: punctual lights, emissive objects (each a light of its own) and the
+/// environment.
 ///
-/// Points on meshes are chosen in proportion to emitted power; spheres by the cone they fill (Shirley, Wang & Zimmerman 1996).
-/// Infinite planes that emit, and ambient light, are not in it.
+/// Points on meshes are chosen in proportion to emitted power; spheres by the cone they fill (Shirley, Wang & Zimmerman
+/// 1996). Infinite planes that emit, and ambient light, are not in it.
 class LightSampler {
  public:
   /// The scene must outlive the sampler.
@@ -32,12 +33,14 @@ class LightSampler {
   [[nodiscard]] std::size_t light_count() const { return lights_.size(); }
 
   /// A direction towards one light; none when it cannot light the point at all.
-  [[nodiscard]] std::optional<LightSample> sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u) const;
+  [[nodiscard]] std::optional<LightSample> sample_light(std::size_t light, const SurfacePoint& from,
+                                                        const Vec2d& u) const;
 
   /// A direction towards a light chosen in proportion to its power; the pdf and the weight include the choice.
   [[nodiscard]] std::optional<LightSample> sample(const SurfacePoint& from, double u_light, const Vec2d& u) const;
 
-  /// The density (1/sr) with which `sample` would choose the direction from `from` to the point `light` of an emissive object.
+  /// The density (1/sr) with which `sample` would choose the direction from `from` to the point `light` of an emissive
+  /// object.
   [[nodiscard]] double pdf(const Vec3d& from, const SurfacePoint& light) const;
   /// The density (1/sr) with which `sample` would choose a direction that leaves the scene.
   [[nodiscard]] double environment_pdf(const Vec3d& direction) const;
@@ -64,9 +67,11 @@ class LightSampler {
 
   [[nodiscard]] std::optional<LightSample> sample_punctual(const Source& source, const SurfacePoint& from) const;
   [[nodiscard]] std::optional<LightSample> sample_mesh(const Source& source, const SurfacePoint& from, Vec2d u) const;
-  [[nodiscard]] std::optional<LightSample> sample_shape(const Source& source, const SurfacePoint& from, const Vec2d& u) const;
+  [[nodiscard]] std::optional<LightSample> sample_shape(const Source& source, const SurfacePoint& from,
+                                                        const Vec2d& u) const;
   [[nodiscard]] std::optional<LightSample> sample_environment(const SurfacePoint& from, const Vec2d& u) const;
-  [[nodiscard]] std::optional<LightSample> towards(const SurfacePoint& from, const SurfacePoint& light, double area_pdf) const;
+  [[nodiscard]] std::optional<LightSample> towards(const SurfacePoint& from, const SurfacePoint& light,
+                                                   double area_pdf) const;
   [[nodiscard]] double shape_pdf(const ShapeObject& object, const Vec3d& from, const SurfacePoint& light) const;
 
   const Scene* scene_;
@@ -75,12 +80,12 @@ class LightSampler {
   double scene_radius_ = 1;
   std::vector<Source> lights_;
   std::vector<double> choice_cdf_;
-  std::vector<std::uint32_t> light_of_object_;          ///< into lights_, or none
+  std::vector<std::uint32_t> light_of_object_;            ///< into lights_, or none
   std::vector<std::vector<float>> triangle_probability_;  ///< by light: chance of each triangle of the mesh
 };
 
-/// Whether an emissive point sends light towards `direction` (unit, away from it), by the rule of sides: from the front, and
-/// from the back when its material is double-sided.
+/// Whether an emissive point sends light towards `direction` (unit, away from it), by the rule of sides: from the
+/// front, and from the back when its material is double-sided.
 [[nodiscard]] bool emits_towards(const Material& material, const Vec3d& geometric_normal, const Vec3d& direction);
 
 }  // namespace penumbra

@@ -6,9 +6,9 @@ namespace penumbra {
 
 /// What stands between a point and a light, for shadow rays.
 ///
-/// Opaque surfaces stop them. Surfaces of AlphaMode::blend let 1 - alpha pass. Glass either stops them too, or attenuates them
-/// straight through by Fresnel and absorption: an approximation (no refraction, so no caustics) that Whitted's shadow rays
-/// have been given since 1979.
+/// Opaque surfaces stop them. Surfaces of AlphaMode::blend let 1 - alpha pass. Glass either stops them too, or
+/// attenuates them straight through by Fresnel and absorption: an approximation (no refraction, so no caustics) that
+/// Whitted's shadow rays have been given since 1979.
 class Shadow {
  public:
   /// @param through_glass whether transparent surfaces let shadow rays pass.
