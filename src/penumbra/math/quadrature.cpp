@@ -73,16 +73,17 @@ void polygon_rule(std::span<const Vec3d> polygon, int n, std::vector<WeightedPoi
   for (std::size_t i = 2; i < polygon.size(); ++i) {
     twice_area += cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
   }
-  if (polygon.size() == 4) {
-    bool convex = true;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Vec3d& p = polygon[i];
-      const Vec3d turn = cross(polygon[(i + 1) % 4] - p, polygon[(i + 3) % 4] - p);
-      convex = convex && dot(turn, twice_area) >= 0;
-    }
-    if (convex) return append_quad_rule(polygon[0], polygon[1], polygon[2], polygon[3], n, out);
+  bool convex = true;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3d &p = polygon[i], &after = polygon[(i + 1) % polygon.size()];
+    const Vec3d& before = polygon[(i + polygon.size() - 1) % polygon.size()];
+    convex = convex && dot(cross(after - p, before - p), twice_area) >= 0;
   }
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
+  std::size_t i = 2;
+  for (; convex && i + 1 < polygon.size(); i += 2) {
+    append_quad_rule(polygon[0], polygon[i - 1], polygon[i], polygon[i + 1], n, out);
+  }
+  for (; i < polygon.size(); ++i) {
     const std::size_t first = out.size();
     append_triangle_rule(polygon[0], polygon[i - 1], polygon[i], n, out);
     if (dot(cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]), twice_area) < 0) {

@@ -40,8 +40,8 @@ void append_triangle_rule(const Vec3d& a, const Vec3d& b, const Vec3d& c, int n,
 void append_quad_rule(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, int n,
                       std::vector<WeightedPoint>& out);
 
-/// Replaces `out` by a rule on a planar polygon: the triangle or convex quadrilateral rule, else a fan of triangles
-/// around the first corner (with signed weights where a concave polygon needs them). Weights sum to its area.
+/// Replaces `out` by a rule on a planar polygon: a fan around the first corner, of quadrilaterals (and one triangle
+/// where the count is odd) when it is convex, else of triangles with signed weights. Weights sum to its area.
 void polygon_rule(std::span<const Vec3d> polygon, int n, std::vector<WeightedPoint>& out);
 
 }  // namespace penumbra

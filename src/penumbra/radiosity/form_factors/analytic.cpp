@@ -14,11 +14,13 @@
 namespace penumbra {
 namespace {
 
-/// A far pair takes the kernel at Gauss points while that needs no more evaluations than this,
-constexpr int most_kernel_evaluations = 2500;
-/// and a nearer one Lambert's sum at Gauss points while that needs no more edges than this: both are then faster than
-/// the contour sum.
-constexpr int most_lambert_edges = 200;
+/// What the rules cost, in ns measured for pairs of squares: the kernel at a pair of points, Lambert's term of an edge
+/// at a point, the contour integral of an edge pair. The cheapest rule is taken,
+constexpr double kernel_cost = 2.5;
+constexpr double lambert_cost = 45;
+constexpr double contour_cost = 450;
+/// but beyond this distance, in radii of the larger polygon, the contour sum cancels too much.
+constexpr double contour_reach = 10;
 /// Below this ratio of sizes the contour sum, whose error is rounding times the larger size, gives way to Gauss points
 /// on the smaller polygon.
 constexpr double unlike_sizes = 1e-3;
@@ -47,11 +49,6 @@ int nodes_for(std::span<const Vec3d> polygon, double radius, double distance) {
   const double rho = axis + std::hypot(axis, 1.0);
   const int nodes = static_cast<int>(std::ceil(0.5 * std::log(1e13) / std::log(rho)));
   return std::max(2, nodes) + (polygon.size() == 4 ? 0 : 1);
-}
-
-/// How many points polygon_rule makes of n nodes each way, at most.
-int rule_size(std::span<const Vec3d> polygon, int n) {
-  return n * n * (polygon.size() == 4 ? 1 : static_cast<int>(polygon.size()) - 2);
 }
 
 /// The part of a polygon in front of the other's plane; `clipped` holds it when that is not the whole.
@@ -130,9 +127,8 @@ double lambert_sum(std::span<const WeightedPoint> small, const Vec3d& small_norm
 }
 
 /// One polygon far smaller than the other: what is near of the large one by contour, the rest from Gauss points.
-double unlike_pair(std::span<const Vec3d> small, const Ball& small_ball, std::span<const Vec3d> large,
-                   ExchangeAreaScratch& scratch) {
-  const Vec3d normal = polygon_normal(large), small_normal = polygon_normal(small);
+double unlike_pair(std::span<const Vec3d> small, const Vec3d& small_normal, const Ball& small_ball,
+                   std::span<const Vec3d> large, const Vec3d& normal, ExchangeAreaScratch& scratch) {
   const Vec3d centre = small_ball.centre, x = normalize(large[1] - large[0]), y = cross(normal, x);
   const double reach = near_reach * small_ball.radius;
   const Vec3d foot = centre - dot(normal, centre - large[0]) * normal;
@@ -157,27 +153,30 @@ double unlike_pair(std::span<const Vec3d> small, const Ball& small_ball, std::sp
 }
 
 /// Polygons in front of each other, about the origin, in units of their distance or size.
-double scaled_exchange_area(std::span<const Vec3d> first, std::span<const Vec3d> second, ExchangeAreaScratch& scratch) {
+/// The normals are those of the whole polygons: what a plane leaves of one may be too narrow to tell.
+double scaled_exchange_area(std::span<const Vec3d> first, const Vec3d& first_normal, std::span<const Vec3d> second,
+                            const Vec3d& second_normal, ExchangeAreaScratch& scratch) {
   const Ball a = bounding_ball(first), b = bounding_ball(second);
   const double apart = length(b.centre - a.centre) - a.radius - b.radius;
-  if (apart > 2 * std::min(a.radius, b.radius)) {
-    const int n = nodes_for(first, a.radius, apart), m = nodes_for(second, b.radius, apart);
-    if (rule_size(first, n) * rule_size(second, m) <= most_kernel_evaluations) {
-      polygon_rule(first, n, scratch.first_rule);
-      polygon_rule(second, m, scratch.second_rule);
+  if (apart > 2 * std::max(a.radius, b.radius)) {
+    polygon_rule(first, nodes_for(first, a.radius, apart), scratch.first_rule);
+    polygon_rule(second, nodes_for(second, b.radius, apart), scratch.second_rule);
+    const auto points = static_cast<double>(scratch.first_rule.size()), corners = static_cast<double>(second.size());
+    const double by_kernel = kernel_cost * points * static_cast<double>(scratch.second_rule.size());
+    const double by_lambert = is_convex(second) ? lambert_cost * points * corners : by_kernel;
+    const double by_contour = apart > contour_reach * std::max(a.radius, b.radius)
+                                  ? by_kernel
+                                  : contour_cost * static_cast<double>(first.size()) * corners;
+    if (by_kernel <= std::min(by_lambert, by_contour)) {
       to_lanes(scratch.second_rule, scratch.second_points);
-      return kernel_sum(scratch.first_rule, polygon_normal(first), scratch.second_points, polygon_normal(second));
+      return kernel_sum(scratch.first_rule, first_normal, scratch.second_points, second_normal);
     }
-    const bool first_is_smaller = a.radius <= b.radius;
-    const std::span<const Vec3d> small = first_is_smaller ? first : second, large = first_is_smaller ? second : first;
-    const int nodes = first_is_smaller ? n : m;
-    if (rule_size(small, nodes) * static_cast<int>(large.size()) <= most_lambert_edges && is_convex(large)) {
-      polygon_rule(small, nodes, scratch.first_rule);
-      return lambert_sum(scratch.first_rule, polygon_normal(small), large);
-    }
+    if (by_lambert <= by_contour) return lambert_sum(scratch.first_rule, first_normal, second);
   }
-  if (a.radius < unlike_sizes * b.radius && is_convex(second)) return unlike_pair(first, a, second, scratch);
-  if (b.radius < unlike_sizes * a.radius && is_convex(first)) return unlike_pair(second, b, first, scratch);
+  if (a.radius < unlike_sizes * b.radius && is_convex(second))
+    return unlike_pair(first, first_normal, a, second, second_normal, scratch);
+  if (b.radius < unlike_sizes * a.radius && is_convex(first))
+    return unlike_pair(second, second_normal, b, first, first_normal, scratch);
   return contour_sum(first, second);
 }
 
@@ -208,7 +207,7 @@ double exchange_area(std::span<const Vec3d> first, std::span<const Vec3d> second
   const std::span<const Vec3d> a = part_in_front(scratch.first, second_plane, tolerance, scratch.clipped_first);
   const std::span<const Vec3d> b = part_in_front(scratch.second, first_plane, tolerance, scratch.clipped_second);
   if (a.empty() || b.empty()) return 0;
-  return std::max(0.0, scaled_exchange_area(a, b, scratch)) * extent * extent;
+  return std::max(0.0, scaled_exchange_area(a, first_plane.normal, b, second_plane.normal, scratch)) * extent * extent;
 }
 
 double exchange_area(std::span<const Vec3d> first, std::span<const Vec3d> second) {
