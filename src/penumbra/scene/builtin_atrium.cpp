@@ -427,7 +427,7 @@ Scene make_atrium(const BuiltinParameters& parameters) {
                      lambertian("foliage", {0.09F, 0.23F, 0.05F}),
                      lambertian("terracotta", {0.56F, 0.25F, 0.13F}),
                      lambertian("iron", {0.10F, 0.11F, 0.11F}),
-                     lambertian("skylight", Rgb(0.0F), {21.0F, 20.5F, 20.0F})};
+                     lambertian("skylight", Rgb(0.0F), {12.0F, 11.7F, 11.4F})};
   const ShellMaterials shell{.floor = add_material(scene, lambertian("floor", {0.72F, 0.67F, 0.58F})),
                              .wall = add_material(scene, lambertian("ashlar", {0.72F, 0.58F, 0.42F})),
                              .vault = add_material(scene, lambertian("plaster", {0.66F, 0.72F, 0.74F}))};
@@ -449,8 +449,8 @@ Scene make_atrium(const BuiltinParameters& parameters) {
     add_object(scene, std::move(meshes[p]));
   }
   scene.cameras = {{.name = "camera",
-                    .to_world = look_at({1.1, 1.65, 9.9}, {-0.35, 5.0, -6}, {0, 1, 0}),
-                    .lens = PerspectiveLens{70 * pi / 180}}};
+                    .to_world = look_at({0.9, 1.65, 10.3}, {-0.3, 4.9, -6}, {0, 1, 0}),
+                    .lens = PerspectiveLens{64 * pi / 180}}};
   return scene;
 }
 

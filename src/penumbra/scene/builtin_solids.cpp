@@ -80,16 +80,18 @@ Piece LatheSolid::build() const {
     }
   }
   join_loops(piece, 0, count, rings);
+  smooth(piece);  // before the ends close it: they are flat, and the wall keeps its own normals up to them
   const auto bottom = static_cast<Index>(piece.positions.size());
   piece.positions.emplace_back(0, profile.front().y, 0);
   piece.positions.emplace_back(0, profile.back().y, 0);
+  piece.normals.emplace_back(0, -1, 0);
+  piece.normals.emplace_back(0, 1, 0);
   const Index last = (rings - 1) * count;
   for (Index i = 0; i < count; ++i) {
     const Index next = i + 1 == count ? 0 : i + 1;
     piece.triangles.push_back({bottom, next, i});
     piece.triangles.push_back({bottom + 1, last + i, last + next});
   }
-  smooth(piece);
   return piece;
 }
 
