@@ -72,7 +72,8 @@ Camera with_fov(Camera camera, const std::optional<double>& fov) {
   return camera;
 }
 
-std::string text(const Vec3d& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+// Adding 0 turns -0 into 0.
+std::string text(const Vec3d& v) { return fmt::format("{} {} {}", v.x + 0.0, v.y + 0.0, v.z + 0.0); }
 
 }  // namespace
 

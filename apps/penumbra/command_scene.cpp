@@ -74,7 +74,7 @@ int list_scenes(const CommonOptions& common) {
 }
 
 int write_scene(const SceneArguments& arguments) {
-  OutputFile{arguments.output};  // fails before the work is done; leaves nothing behind
+  check_creatable(arguments.output);
   Console console(arguments.common);
   const ThreadLimit limit(arguments.common.threads);
   const Stopwatch watch;

@@ -58,7 +58,7 @@ void check(const PictureFile& picture) {
     throw UsageError("--tonemap srgb does not apply to " + kind +
                      ", which holds linear values; use none or filmic, or write .png");
   }
-  OutputFile{picture.path};  // leaves nothing behind
+  check_creatable(picture.path);
 }
 
 void write_picture(const PictureFile& picture, Image image) {

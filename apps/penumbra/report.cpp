@@ -16,7 +16,7 @@ std::string text_of(const Report& report) {
 }  // namespace
 
 void check_report(const CommonOptions& options) {
-  if (options.stats) OutputFile{*options.stats};
+  if (options.stats) check_creatable(*options.stats);
 }
 
 void write_report(const CommonOptions& options, const Report& report) {

@@ -120,13 +120,14 @@ INSTANTIATE_TEST_SUITE_P(Corpus, UsageTest, testing::ValuesIn(bad_usages),
 
 TEST(CameraTest, AnUnknownOneIsAnsweredByTheListOfThoseThereAre) {
   const Workshop workshop;
-  const Outcome run = penumbra({"render", two_cameras(workshop), "-o", workshop.path("a.png"), "--camera", "top"});
+  const Outcome run =
+      penumbra({"render", two_cameras(workshop), "-o", workshop.path("a.png"), "--camera", "top", "-q"});
   expect_refused(run, {"top", "0 'front'", "1 'side'"});
 }
 
 TEST(CameraTest, AnIndexBeyondTheLastIsRefused) {
   const Workshop workshop;
-  const Outcome run = penumbra({"render", two_cameras(workshop), "-o", workshop.path("a.png"), "--camera", "2"});
+  const Outcome run = penumbra({"render", two_cameras(workshop), "-o", workshop.path("a.png"), "--camera", "2", "-q"});
   expect_refused(run, {"--camera 2", "0 'front'"});
 }
 

@@ -29,7 +29,8 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, std::size_t 
     in.read(block.data(), static_cast<std::streamsize>(block.size()));
     const auto got = static_cast<std::size_t>(in.gcount());
     if (bytes.size() + got > max_bytes) {
-      throw FileError(path.string(), "", "is larger than " + std::to_string(max_bytes) + " bytes, the most that is read");
+      throw FileError(path.string(), "",
+                      "is larger than " + std::to_string(max_bytes) + " bytes, the most that is read");
     }
     const auto* first = reinterpret_cast<const std::byte*>(block.data());
     bytes.insert(bytes.end(), first, first + got);

@@ -84,4 +84,12 @@ void OutputFile::commit() {
   descriptor_ = -1;
 }
 
+void check_creatable(const std::filesystem::path& path) {
+  if (!is_device(path)) {
+    OutputFile{path};
+  } else if (::access(path.c_str(), W_OK) != 0) {
+    throw FileError(path.string(), "", std::string("cannot be written: ") + std::strerror(errno));
+  }
+}
+
 }  // namespace penumbra

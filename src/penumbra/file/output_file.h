@@ -35,4 +35,8 @@ class OutputFile {
   bool in_place_ = false;
 };
 
+/// Throws FileError when an OutputFile could not be made for `path` now. Leaves nothing behind and does not open pipes,
+/// whose readers would take that for the whole message.
+void check_creatable(const std::filesystem::path& path);
+
 }  // namespace penumbra

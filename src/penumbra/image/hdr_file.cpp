@@ -169,13 +169,25 @@ class HdrReader {
   float scale_ = 1;
 };
 
+// One header line an entry; control characters, which could end it, become blanks.
+std::string comments(const std::map<std::string, std::string>& metadata) {
+  std::string lines;
+  for (const auto& [key, text] : metadata) {
+    std::string line = "# " + key + ": " + text;
+    std::ranges::replace_if(
+        line, [](unsigned char c) { return c < ' '; }, ' ');
+    lines += line + "\n";
+  }
+  return lines;
+}
+
 }  // namespace
 
 Image decode_hdr(std::span<const std::byte> bytes, std::string_view name) { return HdrReader(bytes, name).read(); }
 
 std::vector<std::byte> encode_hdr(const Image& image) {
-  const std::string header =
-      fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height, image.width);
+  const std::string header = fmt::format("#?RADIANCE\n{}FORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n",
+                                         comments(image.metadata), image.height, image.width);
   std::vector<std::uint8_t> out(header.begin(), header.end());
   const auto width = static_cast<std::size_t>(image.width);
   const bool coded = width >= 8 && width < 32768;  // what the format can run-length code

@@ -16,7 +16,7 @@ struct Image {
   int height = 0;
   std::vector<std::string> channels;
   std::vector<float> data;
-  /// Free text that EXR files carry along (camera, renderer, samples, "partial").
+  /// Free text that picture files carry along (camera, renderer, samples, "partial").
   std::map<std::string, std::string> metadata;
 
   Image() = default;

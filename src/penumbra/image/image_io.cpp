@@ -66,7 +66,7 @@ Image8 displayed(const Image& image) {
 
 std::vector<std::byte> encoded(const std::filesystem::path& path, const Image& image) {
   const std::string extension = lower_case_extension(path);
-  if (extension == ".png") return encode_png(displayed(image));
+  if (extension == ".png") return encode_png(displayed(image), image.metadata);
   if (extension == ".exr") return encode_exr(image);
   if (extension == ".hdr") return encode_hdr(image);
   throw FileError(path.string(), "",

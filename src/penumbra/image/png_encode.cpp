@@ -36,6 +36,14 @@ void append_chunk(std::vector<std::uint8_t>& out, const char* type, std::span<co
   append_u32(out, static_cast<std::uint32_t>(crc32_z(0, out.data() + start, out.size() - start)));
 }
 
+// An iTXt chunk: keyword, no compression, no language, no translated keyword, UTF-8 text.
+void append_text(std::vector<std::uint8_t>& out, const std::string& keyword, const std::string& text) {
+  std::vector<std::uint8_t> data(keyword.begin(), keyword.end());
+  data.insert(data.end(), {0, 0, 0, 0, 0});
+  data.insert(data.end(), text.begin(), text.end());
+  append_chunk(out, "iTXt", data);
+}
+
 // Filter type 1: each byte less the one a pixel to its left.
 std::vector<std::uint8_t> filtered_rows(const Image8& image, std::size_t first, std::size_t last) {
   const auto pixel = static_cast<std::size_t>(image.channels);
@@ -86,7 +94,7 @@ std::vector<Band> deflated_bands(const Image8& image) {
 
 }  // namespace
 
-std::vector<std::byte> encode_png(const Image8& image) {
+std::vector<std::byte> encode_png(const Image8& image, const std::map<std::string, std::string>& texts) {
   const auto samples = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
                        static_cast<std::size_t>(image.channels);
   if (image.width < 1 || image.height < 1 || image.channels < 1 || image.channels > 4 || image.data.size() != samples) {
@@ -101,6 +109,7 @@ std::vector<std::byte> encode_png(const Image8& image) {
   header.insert(header.end(), {8, colour_types[static_cast<std::size_t>(image.channels - 1)], 0, 0, 0});
   append_chunk(out, "IHDR", header);
   append_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});
+  for (const auto& [keyword, text] : texts) append_text(out, keyword, text);
 
   auto bands = deflated_bands(image);
   static constexpr std::array<std::uint8_t, 2> zlib_header{0x78, 0x01};
