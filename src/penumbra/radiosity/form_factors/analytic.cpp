@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "penumbra/math/frame.h"
 #include "penumbra/math/polygon.h"
 #include "penumbra/math/polygon_pieces.h"
 #include "penumbra/radiosity/form_factors/edge_pair.h"
@@ -129,15 +130,15 @@ double lambert_sum(std::span<const WeightedPoint> small, const Vec3d& small_norm
 /// One polygon far smaller than the other: what is near of the large one by contour, the rest from Gauss points.
 double unlike_pair(std::span<const Vec3d> small, const Vec3d& small_normal, const Ball& small_ball,
                    std::span<const Vec3d> large, const Vec3d& normal, ExchangeAreaScratch& scratch) {
-  const Vec3d centre = small_ball.centre, x = normalize(large[1] - large[0]), y = cross(normal, x);
+  const Frame frame(normal);
+  const Vec3d centre = small_ball.centre, x = frame.tangent, y = frame.bitangent;
   const double reach = near_reach * small_ball.radius;
   const Vec3d foot = centre - dot(normal, centre - large[0]) * normal;
   const Vec3d window[] = {foot - reach * x - reach * y, foot + reach * x - reach * y, foot + reach * x + reach * y,
                           foot - reach * x + reach * y};
   const int nodes = nodes_for(small, small_ball.radius, reach - small_ball.radius);
   polygon_rule(small, nodes, scratch.first_rule);
-  const double all_distance = dot(normal, centre - large[0]);
-  if (all_distance >= reach) return lambert_sum(scratch.first_rule, small_normal, large);
+  if (dot(normal, centre - large[0]) >= reach) return lambert_sum(scratch.first_rule, small_normal, large);
 
   double sum = 0;
   for (const std::vector<Vec3d>& piece : subtract_convex(large, window)) {
@@ -152,7 +153,7 @@ double unlike_pair(std::span<const Vec3d> small, const Vec3d& small_normal, cons
   return near.empty() ? sum : sum + contour_sum(small, near);
 }
 
-/// Polygons in front of each other, about the origin, in units of their distance or size.
+/// The rule for two polygons in front of each other, about the origin, in units of their extent.
 /// The normals are those of the whole polygons: what a plane leaves of one may be too narrow to tell.
 double scaled_exchange_area(std::span<const Vec3d> first, const Vec3d& first_normal, std::span<const Vec3d> second,
                             const Vec3d& second_normal, ExchangeAreaScratch& scratch) {
@@ -173,10 +174,12 @@ double scaled_exchange_area(std::span<const Vec3d> first, const Vec3d& first_nor
     }
     if (by_lambert <= by_contour) return lambert_sum(scratch.first_rule, first_normal, second);
   }
-  if (a.radius < unlike_sizes * b.radius && is_convex(second))
+  if (a.radius < unlike_sizes * b.radius && is_convex(second)) {
     return unlike_pair(first, first_normal, a, second, second_normal, scratch);
-  if (b.radius < unlike_sizes * a.radius && is_convex(first))
+  }
+  if (b.radius < unlike_sizes * a.radius && is_convex(first)) {
     return unlike_pair(second, second_normal, b, first, first_normal, scratch);
+  }
   return contour_sum(first, second);
 }
 
