@@ -35,6 +35,7 @@ class ImageIo : public testing::Test {
 
   std::filesystem::path write_bytes(const char* name, std::span<const std::byte> bytes) const {
     const auto path = folder_ / name;
+    std::filesystem::remove(path);  // some file systems wait for the disk when a file is cut and rewritten
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     return path;

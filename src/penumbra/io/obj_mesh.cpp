@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <string_view>
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/math/polygon.h"
@@ -23,6 +24,7 @@ struct Cut {
 };
 
 constexpr double planarity_tolerance = 1e-6;  // of the polygon's size
+constexpr std::string_view crossing_sentence = "the outline of the face crosses itself; split it into simple polygons";
 constexpr std::size_t most_concave_corners = 8192;
 
 // A convex polygon cut in halves again and again: as many corners as one likes, and no needles from a single corner.
@@ -44,6 +46,17 @@ std::vector<CornerTriangle> cut_quad(std::span<const Vec3d> p) {
   const bool first_diagonal = std::min(area(0, 1, 2), area(0, 2, 3)) >= std::min(area(0, 1, 3), area(1, 2, 3));
   if (first_diagonal) return {{0, 1, 2}, {0, 2, 3}};
   return {{0, 1, 3}, {1, 2, 3}};
+}
+
+// The normal of the widest corner, for polygons whose areas cancel; zero when all corners are in one line.
+Vec3d widest_normal(std::span<const Vec3d> polygon) {
+  Vec3d widest(0);
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const Vec3d across = cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+    if (length_squared(across) > length_squared(widest)) widest = across;
+  }
+  const double size = length(widest);
+  return size > 0 ? widest / size : widest;
 }
 
 /// True when two edges properly cross in the projection along `normal`: touching does not count.
@@ -161,6 +174,8 @@ Cut MeshMaker::cut_of(const ObjFace& face) {
   if (polygon_.size() > 3) drop_repeated_corners();
   const double size = polygon_size(polygon_);
   if (length(newell_vector(polygon_)) <= 1e-14 * size * size) {
+    // Loops of a figure of eight may cancel.
+    if (crosses_itself(polygon_, widest_normal(polygon_))) fail(face, crossing_sentence);
     warnings_.count("faces without area were kept but receive no light", place_of(face));
     Cut fan;
     for (std::uint32_t c = 2; c < polygon_.size(); ++c) fan.triangles.push_back({0, c - 1, c});
@@ -202,7 +217,7 @@ Cut MeshMaker::cut_of_polygon(const ObjFace& face) {
     return dot(normal, across) < -1e-12 * size * size;
   });
   if (turns_back || crosses_itself(polygon_, normal)) {
-    fail(face, "the outline of the face crosses itself; split it into simple polygons");
+    fail(face, crossing_sentence);
   }
   cut.stays_whole = false;
   warnings_.count("polygons whose outline touches itself were cut into triangles", place_of(face));
