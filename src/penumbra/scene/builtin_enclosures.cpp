@@ -130,9 +130,9 @@ Scene make_box345(const BuiltinParameters& parameters) {
   if (cubes >= 1) add_object(scene, cube("cube A", {1, 1, 1}, first_cube), upright);
   if (cubes >= 2) add_object(scene, cube("cube B", {3, 2, 1}, second_cube), upright);
 
-  const Vec3d eye = transform_point(upright, {0.15, 0.3, 1.75});
+  const Vec3d eye = transform_point(upright, {0.15, 3.85, 2.0});
   scene.cameras = {{.name = "camera",
-                    .to_world = look_at(eye, transform_point(upright, {3.2, 2.4, 1.2}), {0, 1, 0}),
+                    .to_world = look_at(eye, transform_point(upright, {2.5, 2.0, 1.35}), {0, 1, 0}),
                     .lens = PerspectiveLens{75 * std::numbers::pi / 180}}};
   return scene;
 }
