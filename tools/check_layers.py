@@ -16,14 +16,14 @@ MAY_INCLUDE = {
     "image": ["math", "file", "parallel"],
     "scene": ["math", "image"],
     "io": ["math", "file", "parallel", "image", "scene"],
-    "tracing": ["math", "parallel", "image", "scene", "tracing/shading"],
+    "tracing": ["math", "parallel", "image", "scene"],
     "tracing/shading": ["math", "parallel", "image", "scene", "tracing"],
     "radiosity": ["math", "parallel", "scene", "tracing"],
     "radiosity/form_factors": ["math", "parallel", "scene", "tracing", "radiosity"],
     "render": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity"],
 }
 FOREIGN = {"embree3/": "tracing/ray_tracer", "draco/": "io/", "OpenEXR/": "image/", "webp/": "image/",
-           "tbb/": "parallel/", "nlohmann/": "io/", "zlib.h": "image/", "stb_image": "image/"}
+           "tbb/": "parallel/", "nlohmann/": "io/", "zlib.h": ("image/", "io/"), "stb_image": "image/"}
 FORBIDDEN_NAMES = re.compile(r"(^|_)(util|utils|common|helper|helpers|manager|misc)($|_|\.)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.M)
 

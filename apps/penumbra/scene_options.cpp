@@ -7,7 +7,7 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/image_io.h"
 #include "penumbra/io/scene_reader.h"
-#include "penumbra/render/framing.h"
+#include "penumbra/scene/lit.h"
 
 namespace penumbra::cli {
 namespace {
@@ -99,13 +99,14 @@ Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings
   LoadedScene loaded = read_scene(options.source, options.unit.value_or(1.0));
   Scene scene = std::move(loaded.scene);
   warnings.insert(warnings.end(), loaded.warnings.begin(), loaded.warnings.end());
+  const bool lit = is_lit(scene);  // judged by the file's own numbers, whatever their unit
   if (options.photometric) {
     constexpr float lumens_per_watt = 683;  // CIE: the luminous efficacy K_cd, lm/W
     for (Material& material : scene.materials) material.emission /= lumens_per_watt;
   }
   if (options.environment) {
     scene.environment = make_environment(*options.environment, scene);
-  } else if (!is_lit(scene)) {
+  } else if (!lit) {
     scene.environment = Environment{};
     warnings.push_back(options.source +
                        ": has no light, so a uniform white environment of radiance 1 lights it; --environment "

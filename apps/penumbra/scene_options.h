@@ -24,8 +24,8 @@ void add_scene_options(OptionParser& parser, SceneOptions& options);
 /// Throws UsageError when an option does not fit the scene's format.
 void check(const SceneOptions& options);
 
-/// Reads the scene, turns photometric emission into radiance, and sets its environment; a scene without any light gets
-/// a white one, with a warning. Throws FileError, UsageError, std::invalid_argument.
+/// Reads the scene, turns photometric emission into radiance, and sets its environment; a scene without any light
+/// (see `is_lit`) gets a white one, with a warning. Throws FileError, UsageError, std::invalid_argument.
 [[nodiscard]] Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings);
 
 }  // namespace penumbra::cli

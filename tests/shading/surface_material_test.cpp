@@ -6,6 +6,7 @@
 
 #include "penumbra/math/rng.h"
 #include "penumbra/math/sampling.h"
+#include "penumbra/tracing/opacity.h"
 
 namespace penumbra {
 namespace {

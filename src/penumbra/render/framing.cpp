@@ -132,21 +132,4 @@ Camera framing_camera(const RayTracer& tracer, double vertical_fov, double aspec
   return object_camera(bounds, vertical_fov, aspect, up);
 }
 
-bool is_lit(const Scene& scene) {
-  if (scene.environment) return true;
-  const auto shines = [&](std::uint32_t m) {
-    const Material& material = scene.materials[m];
-    return material.emits() && !material.emission_texture;
-  };
-  for (const Light& light : scene.lights) {
-    if (!std::holds_alternative<AmbientLight>(light.kind)) return true;
-  }
-  for (const Instance& instance : scene.instances) {
-    const auto& used = scene.meshes[instance.mesh].materials;
-    if (std::any_of(used.begin(), used.end(), shines)) return true;
-  }
-  return std::any_of(scene.shapes.begin(), scene.shapes.end(),
-                     [&](const ShapeObject& s) { return shines(s.material); });
-}
-
 }  // namespace penumbra

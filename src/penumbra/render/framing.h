@@ -10,8 +10,4 @@ namespace penumbra {
 /// @param vertical_fov rad. @param aspect width / height. @param up unit.
 [[nodiscard]] Camera framing_camera(const RayTracer& tracer, double vertical_fov, double aspect, const Vec3d& up);
 
-/// Whether anything shines: punctual lights, an environment, or surfaces that emit. A texture that glows here and there
-/// (under 1 % of the scene's surface-weighted white) does not count as a light source.
-[[nodiscard]] bool is_lit(const Scene& scene);
-
 }  // namespace penumbra

@@ -1,8 +1,18 @@
 #include "penumbra/tracing/opacity.h"
 
-#include "penumbra/tracing/shading/surface_material.h"
+#include <algorithm>
+
+#include "penumbra/scene/texture_lookup.h"
 
 namespace penumbra {
+
+float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2], float vertex_alpha) {
+  float alpha = material.alpha * vertex_alpha;
+  if (material.base_colour_texture) {
+    alpha *= texture_value(scene, *material.base_colour_texture, uv, TexelEncoding::linear).w;
+  }
+  return std::clamp(alpha, 0.0F, 1.0F);
+}
 
 bool is_solid(const Scene& scene, const Mesh& mesh, std::uint32_t triangle, const Vec2d& barycentric) {
   const Material& material = scene.materials[mesh.material_of(triangle)];

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "penumbra/tracing/shading/texture_lookup.h"
+#include "penumbra/scene/texture_lookup.h"
 
 namespace penumbra {
 namespace {
@@ -104,14 +104,6 @@ Frame frame_towards(const Frame& shading, const Vec3d& geometric_normal, const V
   const double length = glm::length(across);
   if (!(length > 1e-9)) return Frame(geometric_normal);
   return Frame(glm::normalize(least_cosine * w + std::sqrt(1 - least_cosine * least_cosine) / length * across));
-}
-
-float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2], float vertex_alpha) {
-  float alpha = material.alpha * vertex_alpha;
-  if (material.base_colour_texture) {
-    alpha *= texture_value(scene, *material.base_colour_texture, uv, TexelEncoding::linear).w;
-  }
-  return std::clamp(alpha, 0.0F, 1.0F);
 }
 
 }  // namespace penumbra

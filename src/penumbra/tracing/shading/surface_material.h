@@ -35,9 +35,4 @@ struct SurfaceMaterial {
 /// @param geometric_normal unit, in the hemisphere of the shading normal. @param wo unit, to where light goes.
 [[nodiscard]] Frame frame_towards(const Frame& shading, const Vec3d& geometric_normal, const Vec3d& wo);
 
-/// Opacity of a triangle's surface at texture coordinates, for alpha masks and blends: base alpha x texture x vertex
-/// alpha.
-[[nodiscard]] float surface_alpha(const Scene& scene, const Material& material, const Vec2f (&uv)[2],
-                                  float vertex_alpha);
-
 }  // namespace penumbra

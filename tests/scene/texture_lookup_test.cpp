@@ -1,4 +1,4 @@
-#include "penumbra/tracing/shading/texture_lookup.h"
+#include "penumbra/scene/texture_lookup.h"
 
 #include <gtest/gtest.h>
 

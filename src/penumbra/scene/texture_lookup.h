@@ -17,6 +17,9 @@ enum class TexelEncoding { linear, srgb };
 [[nodiscard]] Vec4f texture_value(const Scene& scene, const TextureRef& ref, const Vec2f (&uv)[2],
                                   TexelEncoding encoding);
 
+/// The mean of all texels, decoded first; white where the image has none.
+[[nodiscard]] Vec4f mean_texel(const TextureImage& image, TexelEncoding encoding);
+
 /// Linear value, 0..1, of an sRGB-encoded one (IEC 61966-2-1).
 [[nodiscard]] float srgb_to_linear(float encoded);
 

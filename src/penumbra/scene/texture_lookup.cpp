@@ -1,4 +1,4 @@
-#include "penumbra/tracing/shading/texture_lookup.h"
+#include "penumbra/scene/texture_lookup.h"
 
 #include <algorithm>
 #include <array>
@@ -100,6 +100,15 @@ Vec4f texture_value(const Scene& scene, const TextureRef& ref, const Vec2f (&uv)
   const Texture& texture = scene.textures[ref.texture];
   const Vec3f transformed = ref.transform * Vec3f(uv[ref.uv_set == 1 ? 1 : 0], 1.0F);
   return texture_value(texture, scene.images[texture.image], Vec2f(transformed), encoding);
+}
+
+Vec4f mean_texel(const TextureImage& image, TexelEncoding encoding) {
+  if (!has_texels(image)) return Vec4f(1.0F);
+  Vec4d sum(0);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) sum += Vec4d(texel(image, x, y, encoding));
+  }
+  return Vec4f(sum / (static_cast<double>(image.width) * image.height));
 }
 
 }  // namespace penumbra
