@@ -150,8 +150,13 @@ Sight OccluderIndex::examine(const PatchClusters::Cluster& a, const PatchCluster
   const bool a_front = ha.range.low >= -slack, a_back = ha.range.high <= slack;
   const bool b_front = hb.range.low >= -slack, b_back = hb.range.high <= slack;
   if ((a_front && b_front) || (a_back && b_back)) return Sight::visible;
-  if ((a_front && b_back) || (a_back && b_front)) return sight_across(corners_a, ha, corners_b, hb, edges, slack);
-  return Sight::partial;
+  if (!(a_front && b_back) && !(a_back && b_front)) return Sight::partial;
+  const Sight s = sight_across(corners_a, ha, corners_b, hb, edges, slack);
+  // A box that touches the plane may hold patches that lie in it, before or behind the occluder.
+  const auto touches = [&](const PatchClusters::Cluster& c, const Heights& h) {
+    return !c.flat && h.range.low <= slack && h.range.high >= -slack;
+  };
+  return s == Sight::hidden && (touches(a, ha) || touches(b, hb)) ? Sight::partial : s;
 }
 
 Sight OccluderIndex::between(const PatchClusters::Cluster& a, const PatchClusters::Cluster& b,

@@ -7,7 +7,7 @@
 namespace penumbra {
 namespace {
 
-constexpr double normal_weight = 0.5;  // how much a right angle counts against a node's diagonal
+constexpr double normal_weight = 2;  // how much a right angle counts against a node's diagonal
 
 /// Splits [first, last) of `order` until at most PatchClusters::lanes are left: between normals that differ, else at
 /// the median of the longest side.
@@ -25,7 +25,6 @@ void split(const PatchMesh& mesh, std::vector<std::uint32_t>& order, std::size_t
     if (side[a] > side[place_axis] * (1 + 1e-6)) place_axis = a;
     if (turn[a] > turn[turn_axis] * (1 + 1e-6)) turn_axis = a;
   }
-  // Small groups that face alike are done; small ones that do not are only cut when that leaves no crumbs.
   if (last - first <= PatchClusters::lanes) {
     groups.emplace_back(first, last);
     return;
