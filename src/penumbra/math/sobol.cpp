@@ -35,6 +35,24 @@ constexpr std::array<DirectionNumbers, sobol_dimensions> directions = {
     van_der_corput(), direction_numbers(1, 0, {1, 0, 0}), direction_numbers(2, 1, {1, 3, 0}),
     direction_numbers(3, 1, {1, 3, 1})};
 
+// What each byte of the index contributes, so that a point takes four look-ups: shuffled indices use all 32 bits.
+using ByteTable = std::array<std::array<std::uint32_t, 256>, 4>;
+
+constexpr ByteTable byte_table(const DirectionNumbers& v) {
+  ByteTable table{};
+  for (std::size_t byte = 0; byte < 4; ++byte) {
+    for (std::size_t value = 1; value < 256; ++value) {
+      std::size_t lowest = 0;
+      while (((value >> lowest) & 1U) == 0) ++lowest;
+      table[byte][value] = table[byte][value & (value - 1)] ^ v[8 * byte + lowest];
+    }
+  }
+  return table;
+}
+
+constexpr std::array<ByteTable, sobol_dimensions> tables = {byte_table(directions[0]), byte_table(directions[1]),
+                                                            byte_table(directions[2]), byte_table(directions[3])};
+
 std::uint32_t reverse_bits(std::uint32_t x) {
   x = ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
   x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
@@ -48,11 +66,8 @@ double fraction(std::uint32_t bits) { return bits * 0x1p-32; }
 
 std::uint32_t sobol_bits(std::uint32_t index, int dimension) {
   assert(dimension >= 0 && dimension < sobol_dimensions);
-  std::uint32_t bits = 0;
-  for (int i = 0; index != 0; index >>= 1, ++i) {
-    if (index & 1U) bits ^= directions[static_cast<std::size_t>(dimension)][static_cast<std::size_t>(i)];
-  }
-  return bits;
+  const ByteTable& t = tables[static_cast<std::size_t>(dimension)];
+  return t[0][index & 0xFFU] ^ t[1][(index >> 8) & 0xFFU] ^ t[2][(index >> 16) & 0xFFU] ^ t[3][index >> 24];
 }
 
 std::uint32_t owen_scramble(std::uint32_t bits, std::uint32_t seed) {

@@ -22,6 +22,8 @@ class DirectLight {
                               int depth, PixelSampler& sampler, RayCounts& rays) const;
 
   [[nodiscard]] const LightSampler& lights() const { return lights_; }
+  /// True when nothing is half transparent, so that one occlusion query decides.
+  [[nodiscard]] bool is_binary() const { return shadow_.is_binary(); }
 
  private:
   LightSampler lights_;

@@ -27,10 +27,20 @@ struct LightSample {
 /// 1996). Infinite planes that emit, and ambient light, are not in it.
 class LightSampler {
  public:
+  enum class Kind { punctual, mesh, shape, environment };
+  struct Source {
+    Kind kind;
+    std::uint32_t index;                   ///< light, or object
+    double power;                          ///< W, for the choice among lights
+    std::vector<std::uint32_t> triangles;  ///< of a mesh: those that emit
+    std::vector<double> cdf;               ///< over `triangles`, from 0 to 1
+  };
+
   /// The scene must outlive the sampler.
   explicit LightSampler(const Scene& scene);
 
   [[nodiscard]] std::size_t light_count() const { return lights_.size(); }
+  [[nodiscard]] const Source& light(std::size_t number) const { return lights_[number]; }
 
   /// A direction towards one light; none when it cannot light the point at all.
   [[nodiscard]] std::optional<LightSample> sample_light(std::size_t light, const SurfacePoint& from,
@@ -50,15 +60,6 @@ class LightSampler {
   [[nodiscard]] Rgb ambient() const { return ambient_; }
 
  private:
-  enum class Kind { punctual, mesh, shape, environment };
-  struct Source {
-    Kind kind;
-    std::uint32_t index;  ///< light, or object
-    double power;         ///< W, for the choice among lights
-    std::vector<std::uint32_t> triangles;
-    std::vector<double> cdf;  ///< over `triangles`, from 0 to 1
-  };
-
   void add_punctual();
   void add_mesh(std::uint32_t object);
   void add_shape(std::uint32_t object);

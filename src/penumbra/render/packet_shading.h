@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+
+#include "penumbra/tracing/ray_tracer.h"
+
+namespace penumbra {
+
+/// Sixteen values side by side.
+using Lanes = std::array<float, RayPacket::size>;
+
+/// Sixteen vectors side by side.
+struct alignas(64) VectorLanes {
+  Lanes x, y, z;
+
+  void set(int lane, const Vec3f& v) {
+    const auto i = static_cast<std::size_t>(lane);
+    x[i] = v.x;
+    y[i] = v.y;
+    z[i] = v.z;
+  }
+};
+
+/// The triangles that a packet's rays hit, as gathered lane by lane.
+struct alignas(64) HitTriangles {
+  VectorLanes v0, v1, v2;
+  VectorLanes normal;  ///< interpolated shading normal; ignored where `smooth` is 0
+  Lanes u, v;
+  Lanes smooth;  ///< 1 where the mesh has normals
+  Lanes mirror;  ///< -1 where the instance mirrors, else 1
+};
+
+/// Surface points of a packet, as shading needs them.
+struct alignas(64) PointLanes {
+  VectorLanes position;
+  VectorLanes normal;     ///< shading, unit, on the side of the ray's origin
+  VectorLanes geometric;  ///< geometric, unit, on the side of the ray's origin
+  Lanes error;            ///< how far a ray's origin must move along `geometric`, m
+  Lanes front;            ///< 1 where the front was hit, else 0
+  Lanes facing;           ///< cosine of the shading normal with the way back; <= 0 where it is turned away
+};
+
+/// A light's points for each lane, and what they send.
+struct alignas(64) LightLanes {
+  VectorLanes position;  ///< or direction towards a far light
+  VectorLanes normal;
+  Lanes both_sides;       ///< 1 where both sides emit
+  Lanes inverse_density;  ///< m^2
+};
+
+/// Works out points and normals from triangles hit. @param rays where the rays came from.
+void shade_points(const RayPacket& rays, const HitTriangles& hits, PointLanes& points);
+
+/// Shadow rays from surface points to points of an area light; `geometry` gets cos cos' / (r^2 density), 0 where no
+/// light can go. Lanes of `shadow` with geometry 0, or not in `lit_lanes`, sleep.
+void aim_at_area(const PointLanes& points, const LightLanes& light, const std::int32_t* lit_lanes, RayPacket& shadow,
+                 Lanes& geometry);
+
+/// The same for a light without a body. @param far whether `position` is a direction.
+/// @param inverse_square whether light falls off by the squared distance; else by nothing, times pi (see PointLight).
+/// @param range m, 0: none.
+void aim_at_point(const PointLanes& points, const LightLanes& light, bool far, bool inverse_square, float range,
+                  const std::int32_t* lit_lanes, RayPacket& shadow, Lanes& geometry);
+
+}  // namespace penumbra
