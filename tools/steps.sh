@@ -17,7 +17,7 @@ finish() {
 step() {
   local title=$1 log status=0 began=$SECONDS
   shift
-  log="$log_folder/$(tr -c 'A-Za-z0-9\n' '-' <<<"$title").log"
+  log="$log_folder/$(tr -c 'A-Za-z0-9\n' '-' <<<"${title%% (*}").log"
   heading "$title"
   "$@" >"$log" 2>&1 || status=$?
   finish "$status" "$began"

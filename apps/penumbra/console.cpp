@@ -19,8 +19,7 @@ constexpr double foreseeable = 0.01;  // below this share done, time left is a g
 std::string bar(double fraction) {
   constexpr int width = 28;
   const int filled = static_cast<int>(std::floor(fraction * width));
-  return "[" + std::string(static_cast<std::size_t>(filled), '#') +
-         std::string(static_cast<std::size_t>(width - filled), '.') + "]";
+  return fmt::format("[{:#<{}}{:.<{}}]", "", filled, "", width - filled);
 }
 
 std::string duration(double seconds) {
