@@ -20,10 +20,11 @@ namespace {
 constexpr std::size_t block_rows = 8, block_columns = 64;
 
 // How the tolerance is shared out. A pair may err by tolerance * (by_area * A_i A_j / A_total + by_value * exchange):
-// summed over j and divided by A_i each part is at most its share.
+// summed over j and divided by A_i each part is at most its share. Partly hidden pairs are few and costly: within a
+// block they also get what all other pairs leave of the partial share.
 constexpr double dropped_by_area = 0.1;
-constexpr double visible_by_area = 0.1, visible_by_value = 0.1;
-constexpr double partial_by_area = 0.35, partial_by_value = 0.35;
+constexpr double visible_by_area = 0.15, visible_by_value = 0.15;
+constexpr double partial_by_area = 0.3, partial_by_value = 0.3;
 
 }  // namespace
 
@@ -66,14 +67,32 @@ struct AutoFormFactors::Impl::Worker {
   explicit Worker(const Impl& i) : impl(i), obstructed(i.occluders) {}
 
   void run(const Block& block);
+  void entitle(std::size_t a, std::size_t b);
   void cluster_pair(std::size_t a, std::size_t b);
   void patch_row(std::size_t a, std::size_t lane, std::size_t b);
   void find_blockers(std::size_t a, std::size_t lane, std::size_t b, std::uint32_t& facing);
+  void refine_where_needed(std::size_t slot, std::size_t cluster, std::uint32_t facing);
   void patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling);
   [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j, double allowed);
-  void set_obstructed(std::uint32_t i, std::uint32_t j, std::span<const std::uint32_t> pair_blockers);
+  void finish_partial_pairs();
   void drop(std::size_t slot_i, std::size_t slot_j, double exchange);
+  void set_obstructed(std::uint32_t i, std::uint32_t j, std::span<const std::uint32_t> pair_blockers);
   void emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e);
+
+  /// A partly hidden pair, put off until the block's others are known.
+  struct PartialPair {
+    std::uint32_t slot_i, slot_j;
+    std::uint32_t first_blocker, blocker_count;  // into partial_blockers
+    double share;                                // of the partial tolerance, by area and value, m^2
+  };
+  /// Per patch of the block, as row or as column.
+  struct Budget {
+    double dropped = 0;  // m^2
+    double all = 0;      // share of the partial tolerance that the block's pairs are entitled to, m^2
+    double partial = 0;  // and that its partly hidden pairs are
+    /// By how much partly hidden pairs may exceed their share; not below 1, which is always safe.
+    [[nodiscard]] double surplus() const { return partial > 0 ? std::max(1.0, all / partial) : 1.0; }
+  };
 
   const Impl& impl;
   FactorBlock out;
@@ -85,8 +104,10 @@ struct AutoFormFactors::Impl::Worker {
   std::vector<std::size_t> table_a, table_b;  // per listed occluder: its corner distances in `tables`
   std::vector<double> tables;
   std::vector<std::uint32_t> blockers;
+  std::vector<PartialPair> partial_pairs;
+  std::vector<std::uint32_t> partial_blockers;
   std::size_t first_row = 0, first_column = 0;  // slots
-  std::vector<double> dropped_rows, dropped_columns;
+  std::vector<Budget> rows, columns;
 };
 
 void AutoFormFactors::Impl::Worker::emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e) {
@@ -95,8 +116,8 @@ void AutoFormFactors::Impl::Worker::emit(std::uint32_t i, std::uint32_t j, const
 }
 
 void AutoFormFactors::Impl::Worker::drop(std::size_t slot_i, std::size_t slot_j, double exchange) {
-  dropped_rows[slot_i - first_row] += exchange;
-  dropped_columns[slot_j - first_column] += exchange;
+  rows[slot_i - first_row].dropped += exchange;
+  columns[slot_j - first_column].dropped += exchange;
 }
 
 void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j,
@@ -126,19 +147,39 @@ void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t s
     drop(slot_i, slot_j, exchange + error);
     return;
   }
+  const double partial_share = partial_by_area * by_area + partial_by_value * tolerance * exchange;
   if (!blockers.empty()) {
-    set_obstructed(i, j, blockers);
-    if (obstructed.blocker_count() > 0) {
-      emit(i, j,
-           obstructed.integrate(partial_by_area * by_area, partial_by_value * tolerance, impl.settings.max_cells));
-      return;
-    }
+    partial_pairs.push_back({static_cast<std::uint32_t>(slot_i), static_cast<std::uint32_t>(slot_j),
+                             static_cast<std::uint32_t>(partial_blockers.size()),
+                             static_cast<std::uint32_t>(blockers.size()), partial_share});
+    partial_blockers.insert(partial_blockers.end(), blockers.begin(), blockers.end());
+    rows[slot_i - first_row].partial += partial_share;
+    columns[slot_j - first_column].partial += partial_share;
+    return;
   }
   const double allowed = visible_by_area * by_area + visible_by_value * tolerance * exchange;
-  if (!straddling && error <= allowed) {
-    emit(i, j, {exchange, error});
-  } else {
-    emit(i, j, near_exchange(i, j, allowed));
+  const ExchangeEstimate e =
+      !straddling && error <= allowed ? ExchangeEstimate{exchange, error} : near_exchange(i, j, allowed);
+  rows[slot_i - first_row].all += partial_by_value * tolerance * e.exchange;
+  columns[slot_j - first_column].all += partial_by_value * tolerance * e.exchange;
+  emit(i, j, e);
+}
+
+void AutoFormFactors::Impl::Worker::finish_partial_pairs() {
+  for (const PartialPair& pair : partial_pairs) {
+    const std::uint32_t i = impl.clusters.patch[pair.slot_i], j = impl.clusters.patch[pair.slot_j];
+    set_obstructed(i, j, std::span(partial_blockers).subspan(pair.first_blocker, pair.blocker_count));
+    const double surplus =
+        std::min(rows[pair.slot_i - first_row].surplus(), columns[pair.slot_j - first_column].surplus());
+    const double tolerance = impl.options.tolerance;
+    const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
+    if (obstructed.blocker_count() == 0) {
+      emit(i, j, near_exchange(i, j, visible_by_area * by_area));
+    } else {
+      emit(i, j,
+           obstructed.integrate(surplus * partial_by_area * by_area, surplus * partial_by_value * tolerance,
+                                impl.settings.max_cells));
+    }
   }
 }
 
@@ -164,6 +205,19 @@ void AutoFormFactors::Impl::Worker::find_blockers(std::size_t a, std::size_t lan
   }
 }
 
+/// Takes the finer rule for the lanes whose error is more than a visible pair is allowed.
+void AutoFormFactors::Impl::Worker::refine_where_needed(std::size_t slot, std::size_t cluster, std::uint32_t facing) {
+  const double by_area = impl.options.tolerance * impl.clusters.area[slot] / impl.total_area;
+  std::uint32_t wanted = 0;
+  for (std::size_t l = 0; l < PatchClusters::lanes; ++l) {
+    const double allowed = visible_by_area * by_area * impl.clusters.area[cluster * PatchClusters::lanes + l] +
+                           visible_by_value * impl.options.tolerance * open.exchange[l];
+    if (open.error[l] > allowed) wanted |= 1U << l;
+  }
+  wanted &= facing & ~open.straddling;
+  if (wanted != 0) refine_exchange(impl.clusters, slot, cluster, wanted, open);
+}
+
 void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, std::size_t b) {
   const std::size_t slot = a * PatchClusters::lanes + lane;
   far_exchange(impl.clusters, slot, b, impl.coplanar, open);
@@ -171,6 +225,7 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
   if (a == b) facing &= ~((2U << lane) - 1U);
   if (facing == 0) return;
   find_blockers(a, lane, b, facing);
+  refine_where_needed(slot, b, facing);
   for (std::uint32_t rest = facing; rest != 0; rest &= rest - 1) {
     const auto l = static_cast<std::size_t>(std::countr_zero(rest));
     const std::uint32_t bit = 1U << l;
@@ -208,21 +263,42 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
   for (std::size_t lane = 0; lane < first.count; ++lane) patch_row(a, lane, b);
 }
 
+/// Adds the partial share by area of the patches of two clusters to each other's budgets.
+void AutoFormFactors::Impl::Worker::entitle(std::size_t a, std::size_t b) {
+  const double share = partial_by_area * impl.options.tolerance / impl.total_area;
+  const auto area_of = [&](std::size_t cluster) {
+    double sum = 0;
+    for (std::size_t l = 0; l < impl.clusters.clusters[cluster].count; ++l)
+      sum += impl.clusters.area[cluster * PatchClusters::lanes + l];
+    return sum;
+  };
+  const double area_a = area_of(a), area_b = area_of(b);
+  for (std::size_t l = 0; l < PatchClusters::lanes; ++l) {
+    const std::size_t row = a * PatchClusters::lanes + l, column = b * PatchClusters::lanes + l;
+    rows[row - first_row].all += share * impl.clusters.area[row] * area_b;
+    if (a != b) columns[column - first_column].all += share * impl.clusters.area[column] * area_a;
+  }
+}
+
 void AutoFormFactors::Impl::Worker::run(const Block& block) {
   const std::size_t row_end = std::min(block.row + block_rows, impl.clusters.size());
   const std::size_t column_end = std::min(block.column + block_columns, impl.clusters.size());
   first_row = block.row * PatchClusters::lanes;
   first_column = block.column * PatchClusters::lanes;
-  dropped_rows.assign((row_end - block.row) * PatchClusters::lanes, 0.0);
-  dropped_columns.assign((column_end - block.column) * PatchClusters::lanes, 0.0);
+  rows.assign((row_end - block.row) * PatchClusters::lanes, {});
+  columns.assign((column_end - block.column) * PatchClusters::lanes, {});
   for (std::size_t a = block.row; a < row_end; ++a)
-    for (std::size_t b = std::max(a, block.column); b < column_end; ++b) cluster_pair(a, b);
-  const auto report = [&](const std::vector<double>& sums, std::size_t first) {
-    for (std::size_t s = 0; s < sums.size(); ++s)
-      if (sums[s] > 0) out.dropped.push_back({impl.clusters.patch[first + s], sums[s]});
+    for (std::size_t b = std::max(a, block.column); b < column_end; ++b) {
+      entitle(a, b);
+      cluster_pair(a, b);
+    }
+  finish_partial_pairs();
+  const auto report = [&](const std::vector<Budget>& budgets, std::size_t first) {
+    for (std::size_t s = 0; s < budgets.size(); ++s)
+      if (budgets[s].dropped > 0) out.dropped.push_back({impl.clusters.patch[first + s], budgets[s].dropped});
   };
-  report(dropped_rows, first_row);
-  report(dropped_columns, first_column);
+  report(rows, first_row);
+  report(columns, first_column);
 }
 
 AutoFormFactors::AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options)

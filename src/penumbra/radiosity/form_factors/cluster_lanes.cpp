@@ -27,11 +27,14 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
   return bytes[0] & ((1U << hn::Lanes(D())) - 1U);
 }
 
-// Error of the 4 x 4 rule relative to cos cos / (pi r^2), with each cosine's largest value on the patch: the terms of
-// fourth order in (radius_i + radius_j) / r, and of third order for patches without a centre of symmetry. Measured
-// against the closed form over random pairs (tests/radiosity/auto_open_test.cpp).
-constexpr double fourth_order = 0.25;
-constexpr double third_order = 0.5;
+// Error of the 4 x 4 rule: terms of fourth order in each patch's radius / r, and of third order for patches without a
+// centre of symmetry, times a factor that keeps some weight where the cosines vanish, since their slopes do not.
+// Measured against the closed form over random pairs (tests/radiosity/auto_open_test.cpp).
+constexpr double fourth_order = 0.35;
+constexpr double third_order = 1;
+constexpr double sixth_order = 0.1;  // of the 9 x 9 rule; fifth order for triangles
+constexpr double fifth_order = 0.4;
+constexpr double turning = 0.4;
 
 void far_exchange_lanes(const PatchClusters& c, std::size_t slot, std::size_t index, double tolerance,
                         LaneExchange& out) {
@@ -98,12 +101,17 @@ void far_exchange_lanes(const PatchClusters& c, std::size_t slot, std::size_t in
     const V inverse = hn::Div(set(1), r2);
     const V inverse_r = hn::Sqrt(inverse);
     const V reach = hn::Add(set(c.radius[slot]), hn::LoadU(d, &c.radius[s]));
-    const V ratio = hn::Mul(reach, inverse_r), ratio2 = hn::Mul(ratio, ratio);
+    const V ratio = hn::Mul(reach, inverse_r);
+    const V own2 = hn::Mul(set(c.radius[slot] * c.radius[slot]), inverse);
+    const V their_radius = hn::LoadU(d, &c.radius[s]);
+    const V their2 = hn::Mul(hn::Mul(their_radius, their_radius), inverse);
     const V leave = hn::Abs(hn::MulAdd(nx, rx, hn::MulAdd(ny, ry, hn::Mul(nz, rz))));
     const V arrive = hn::Abs(hn::MulAdd(mx, rx, hn::MulAdd(my, ry, hn::Mul(mz, rz))));
-    const V cosines = hn::Mul(hn::MulAdd(leave, inverse_r, ratio), hn::MulAdd(arrive, inverse_r, ratio));
-    const V skew = hn::Max(set(c.skew[slot]), hn::LoadU(d, &c.skew[s]));
-    V order = hn::Mul(ratio2, hn::MulAdd(set(fourth_order), ratio2, hn::Mul(hn::Mul(set(third_order), skew), ratio)));
+    const V cosines = hn::Mul(hn::MulAdd(leave, inverse_r, set(turning)), hn::MulAdd(arrive, inverse_r, set(turning)));
+    const V fourth = hn::MulAdd(own2, own2, hn::Mul(their2, their2));
+    const V third = hn::MulAdd(hn::Mul(set(c.skew[slot]), hn::Sqrt(own2)), own2,
+                               hn::Mul(hn::Mul(hn::LoadU(d, &c.skew[s]), hn::Sqrt(their2)), their2));
+    V order = hn::MulAdd(set(fourth_order), fourth, hn::Mul(set(third_order), third));
     order = hn::IfThenElse(hn::Gt(ratio, set(0.9)), set(1e300), order);
     hn::StoreU(hn::Mul(hn::Mul(areas, inverse), hn::Mul(cosines, order)), d, out.error + l);
     out.facing |= bits_of(faces) << l;
@@ -112,6 +120,58 @@ void far_exchange_lanes(const PatchClusters& c, std::size_t slot, std::size_t in
   const std::uint32_t used = (1U << other.count) - 1U;
   out.facing &= used;
   out.straddling &= used;
+}
+
+void refine_exchange_lanes(const PatchClusters& c, std::size_t slot, std::size_t index, std::uint32_t wanted,
+                           LaneExchange& out) {
+  const D d;
+  const std::size_t n = hn::Lanes(d);
+  const V zero = hn::Zero(d);
+  const V nx = set(c.normal[0][slot]), ny = set(c.normal[1][slot]), nz = set(c.normal[2][slot]);
+  if (c.fine[0][3][slot] == 0) return;
+  for (std::size_t l = 0; l < lanes; l += n) {
+    if (((wanted >> l) & ((1U << n) - 1U)) == 0) continue;
+    const std::size_t s = index * lanes + l;
+    const V mx = hn::LoadU(d, &c.normal[0][s]), my = hn::LoadU(d, &c.normal[1][s]), mz = hn::LoadU(d, &c.normal[2][s]);
+    V sum = zero;
+    for (std::size_t q = 0; q < PatchClusters::fine_points; ++q) {
+      const V qx = hn::LoadU(d, &c.fine[q][0][s]), qy = hn::LoadU(d, &c.fine[q][1][s]),
+              qz = hn::LoadU(d, &c.fine[q][2][s]);
+      V part = zero;
+      for (std::size_t p = 0; p < PatchClusters::fine_points; ++p) {
+        const V rx = hn::Sub(qx, set(c.fine[p][0][slot])), ry = hn::Sub(qy, set(c.fine[p][1][slot])),
+                rz = hn::Sub(qz, set(c.fine[p][2][slot]));
+        const V r2 = hn::MulAdd(rx, rx, hn::MulAdd(ry, ry, hn::Mul(rz, rz)));
+        const V leave = hn::MulAdd(nx, rx, hn::MulAdd(ny, ry, hn::Mul(nz, rz)));
+        const V arrive = hn::MulAdd(mx, rx, hn::MulAdd(my, ry, hn::Mul(mz, rz)));
+        const V product = hn::Mul(hn::Max(leave, zero), hn::Max(hn::Neg(arrive), zero));
+        part = hn::MulAdd(set(c.fine[p][3][slot]), hn::Div(product, hn::Max(hn::Mul(r2, r2), set(1e-300))), part);
+      }
+      sum = hn::MulAdd(hn::LoadU(d, &c.fine[q][3][s]), part, sum);
+    }
+    const V areas = hn::Mul(set(c.area[slot] / 3.14159265358979323846), hn::LoadU(d, &c.area[s]));
+    const V rx = hn::Sub(hn::LoadU(d, &c.centroid[0][s]), set(c.centroid[0][slot])),
+            ry = hn::Sub(hn::LoadU(d, &c.centroid[1][s]), set(c.centroid[1][slot])),
+            rz = hn::Sub(hn::LoadU(d, &c.centroid[2][s]), set(c.centroid[2][slot]));
+    const V r2 = hn::Max(hn::MulAdd(rx, rx, hn::MulAdd(ry, ry, hn::Mul(rz, rz))), set(1e-300));
+    const V inverse = hn::Div(set(1), r2);
+    const V inverse_r = hn::Sqrt(inverse);
+    const V own = hn::Mul(set(c.radius[slot]), inverse_r), their = hn::Mul(hn::LoadU(d, &c.radius[s]), inverse_r);
+    const V own2 = hn::Mul(own, own), their2 = hn::Mul(their, their);
+    const V leave = hn::Abs(hn::MulAdd(nx, rx, hn::MulAdd(ny, ry, hn::Mul(nz, rz))));
+    const V arrive = hn::Abs(hn::MulAdd(mx, rx, hn::MulAdd(my, ry, hn::Mul(mz, rz))));
+    const V cosines = hn::Mul(hn::MulAdd(leave, inverse_r, set(turning)), hn::MulAdd(arrive, inverse_r, set(turning)));
+    const V sixth = hn::MulAdd(hn::Mul(own2, own2), own2, hn::Mul(hn::Mul(their2, their2), their2));
+    const V fifth = hn::MulAdd(hn::Mul(hn::Mul(set(c.skew[slot]), own), own2), own2,
+                               hn::Mul(hn::Mul(hn::Mul(hn::LoadU(d, &c.skew[s]), their), their2), their2));
+    V order = hn::MulAdd(set(sixth_order), sixth, hn::Mul(set(fifth_order), fifth));
+    const M unknown = hn::Or(hn::Gt(hn::Add(own, their), set(0.9)), hn::Le(hn::LoadU(d, &c.fine[0][3][s]), zero));
+    order = hn::IfThenElse(unknown, set(1e300), order);
+    const V error = hn::Mul(hn::Mul(areas, inverse), hn::Mul(cosines, order));
+    const M better = hn::Lt(error, hn::LoadU(d, out.error + l));
+    hn::StoreU(hn::IfThenElse(better, hn::Mul(areas, sum), hn::LoadU(d, out.exchange + l)), d, out.exchange + l);
+    hn::StoreU(hn::IfThenElse(better, error, hn::LoadU(d, out.error + l)), d, out.error + l);
+  }
 }
 
 void corner_distances_lanes(const PatchClusters& c, std::size_t index, std::span<const Plane3> planes, double* table) {
@@ -193,12 +253,18 @@ HWY_AFTER_NAMESPACE();
 namespace penumbra {
 
 HWY_EXPORT(far_exchange_lanes);
+HWY_EXPORT(refine_exchange_lanes);
 HWY_EXPORT(corner_distances_lanes);
 HWY_EXPORT(lane_visibility_lanes);
 
 void far_exchange(const PatchClusters& clusters, std::size_t slot, std::size_t cluster, double tolerance,
                   LaneExchange& out) {
   HWY_DYNAMIC_DISPATCH(far_exchange_lanes)(clusters, slot, cluster, tolerance, out);
+}
+
+void refine_exchange(const PatchClusters& clusters, std::size_t slot, std::size_t cluster, std::uint32_t wanted,
+                     LaneExchange& out) {
+  HWY_DYNAMIC_DISPATCH(refine_exchange_lanes)(clusters, slot, cluster, wanted, out);
 }
 
 void corner_distances(const PatchClusters& clusters, std::size_t cluster, std::span<const Plane3> planes,

@@ -23,6 +23,11 @@ struct LaneExchange {
 void far_exchange(const PatchClusters& clusters, std::size_t slot, std::size_t cluster, double tolerance,
                   LaneExchange& out);
 
+/// Replaces exchange and error in the lanes of `wanted` by those of the 9 x 9 point rule, where it has one and its
+/// error is smaller.
+void refine_exchange(const PatchClusters& clusters, std::size_t slot, std::size_t cluster, std::uint32_t wanted,
+                     LaneExchange& out);
+
 /// Signed distances of a cluster's corners from some planes: table[(plane * corner_count + corner) * lanes + lane].
 void corner_distances(const PatchClusters& clusters, std::size_t cluster, std::span<const Plane3> planes,
                       double* table);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "penumbra/math/quadrature.h"
+
 namespace penumbra {
 namespace {
 
@@ -89,6 +91,16 @@ void set_moment_rule(PatchClusters& c, std::size_t slot, std::span<const Vec3d> 
     for (int a = 0; a < 3; ++a) c.rule[k][static_cast<std::size_t>(a)][slot] = points[k][a];
 }
 
+void set_fine_rule(PatchClusters& c, std::size_t slot, std::span<const Vec3d> polygon, double area) {
+  std::vector<WeightedPoint> points;
+  if (polygon.size() <= 4) polygon_rule(polygon, 3, points);
+  points.resize(PatchClusters::fine_points, {polygon[0], 0.0});
+  for (std::size_t k = 0; k < PatchClusters::fine_points; ++k) {
+    for (int a = 0; a < 3; ++a) c.fine[k][static_cast<std::size_t>(a)][slot] = points[k].point[a];
+    c.fine[k][3][slot] = points[k].weight / area;
+  }
+}
+
 /// Whether each corner has a twin opposite the centroid.
 bool centrally_symmetric(std::span<const Vec3d> polygon, const Vec3d& centroid, double radius) {
   if (polygon.size() % 2 != 0) return false;
@@ -114,6 +126,7 @@ void fill_slot(PatchClusters& c, const PatchMesh& mesh, std::size_t slot, std::u
   }
   c.offset[slot] = dot(normal, centroid);
   set_moment_rule(c, slot, polygon, centroid, patch_frame(polygon, normal), mesh.areas[p]);
+  set_fine_rule(c, slot, polygon, mesh.areas[p]);
 }
 
 void fill_corners(PatchClusters& c, const PatchMesh& mesh, std::size_t index) {
@@ -165,6 +178,9 @@ PatchClusters make_patch_clusters(const PatchMesh& mesh) {
     c.centroid[a].resize(slots);
     c.normal[a].resize(slots);
     for (auto& point : c.rule) point[a].resize(slots);
+  }
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (auto& point : c.fine) point[a].resize(slots);
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const auto [first, last] = groups[g];

@@ -38,7 +38,11 @@ struct PatchClusters {
   /// Four points of equal weight with the patch's first and second moments: exact for quadratics, and for cubics on
   /// symmetric patches.
   std::array<std::array<std::vector<double>, 3>, rule_points> rule;
-  std::vector<double> corners;  ///< cluster by cluster: [corner][x, y, z][lane]
+  /// Nine points and the share of the area that each stands for: the 3 x 3 Gauss rule of a quadrilateral (exact for
+  /// degree 5), the conical one of a triangle (degree 4). Weights are all zero for patches with more corners.
+  static constexpr std::size_t fine_points = 9;
+  std::array<std::array<std::vector<double>, 4>, fine_points> fine;  ///< x, y, z, weight
+  std::vector<double> corners;                                       ///< cluster by cluster: [corner][x, y, z][lane]
 
   [[nodiscard]] std::size_t size() const { return clusters.size(); }
   [[nodiscard]] const double* corner(const Cluster& c, std::size_t k, std::size_t axis) const {
