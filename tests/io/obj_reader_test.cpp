@@ -434,8 +434,9 @@ TEST_F(ObjReader, DamagedFilesLoadOrAreFileErrors) {
   };
   int read_well = 0;
   int refused = 0;
-  for (int trial = 0; trial < 600; ++trial) {
-    write("model.mtl", trial % 4 == 0 ? damaged(mtl, trial / 4) : mtl);
+  for (int trial = 0; trial < 400; ++trial) {
+    if (trial % 4 == 0) write("model.mtl", damaged(mtl, trial / 4));
+    if (trial % 4 == 1) write("model.mtl", mtl);
     try {
       const auto loaded = read(trial % 4 == 0 ? obj : damaged(obj, trial));
       EXPECT_GT(loaded.scene.triangle_count(), 0U);
@@ -445,8 +446,8 @@ TEST_F(ObjReader, DamagedFilesLoadOrAreFileErrors) {
       ++refused;
     }
   }
-  EXPECT_GT(read_well, 60);
-  EXPECT_GT(refused, 60);
+  EXPECT_GT(read_well, 40);
+  EXPECT_GT(refused, 40);
 }
 
 }  // namespace
