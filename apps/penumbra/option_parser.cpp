@@ -60,6 +60,11 @@ void OptionParser::positional(std::string name, std::string help, std::string& t
                       [&target](const OptionValue& v) { target = v.text; }});
 }
 
+void OptionParser::positionals(std::string name, std::string help, std::vector<std::string>& target) {
+  entries_.push_back({Kind::positional, "", std::move(name), "", std::move(help),
+                      [&target](const OptionValue& v) { target.push_back(v.text); }, true});
+}
+
 void OptionParser::flag(std::string names, std::string help, bool& target) {
   entries_.push_back(
       {Kind::flag, group_, std::move(names), "", std::move(help), [&target](const OptionValue&) { target = true; }});
@@ -67,6 +72,11 @@ void OptionParser::flag(std::string names, std::string help, bool& target) {
 
 void OptionParser::value(std::string names, std::string metavar, std::string help, Take take) {
   entries_.push_back({Kind::value, group_, std::move(names), std::move(metavar), std::move(help), std::move(take)});
+}
+
+void OptionParser::values(std::string names, std::string metavar, std::string help, std::vector<std::string>& target) {
+  entries_.push_back({Kind::value, group_, std::move(names), std::move(metavar), std::move(help),
+                      [&target](const OptionValue& v) { target.push_back(v.text); }, true});
 }
 
 void OptionParser::examples(std::vector<std::string> lines) { examples_ = std::move(lines); }
@@ -82,7 +92,11 @@ bool OptionParser::parse(const std::vector<std::string>& arguments) const {
   std::vector<CLI::Option*> options;
   for (const Entry& entry : entries_) {
     CLI::Option* option = entry.kind == Kind::flag ? app.add_flag(entry.names) : app.add_option(entry.names);
-    if (entry.kind == Kind::value) option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    if (entry.many) {
+      option->expected(1, CLI::detail::expected_max_vector_size);
+    } else if (entry.kind == Kind::value) {
+      option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    }
     options.push_back(option);
   }
   try {
@@ -94,7 +108,11 @@ bool OptionParser::parse(const std::vector<std::string>& arguments) const {
   }
   if (!app.remaining().empty()) refuse_extras(app.remaining());
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (options[i]->count() > 0) entries_[i].take({long_name(entries_[i].names), options[i]->results().back()});
+    if (options[i]->count() == 0) continue;
+    const std::vector<std::string> results = options[i]->results();
+    for (const std::string& text : entries_[i].many ? results : std::vector{results.back()}) {
+      entries_[i].take({long_name(entries_[i].names), text});
+    }
   }
   return true;
 }

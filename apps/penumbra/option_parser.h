@@ -23,9 +23,13 @@ class OptionParser {
   /// An argument without a name of its own, in order.
   void positional(std::string name, std::string help, std::string& target);
   /// @param names "-q,--quiet".
+  /// Any number of arguments without names.
+  void positionals(std::string name, std::string help, std::vector<std::string>& target);
   void flag(std::string names, std::string help, bool& target);
   /// An option with a value; given twice, the last one counts. @param metavar "N".
   void value(std::string names, std::string metavar, std::string help, Take take);
+  /// An option with one value or more; given twice, all count.
+  void values(std::string names, std::string metavar, std::string help, std::vector<std::string>& target);
   /// Two command lines to learn from, shown last.
   void examples(std::vector<std::string> lines);
 
@@ -38,6 +42,7 @@ class OptionParser {
     Kind kind;
     std::string group, names, metavar, help;
     Take take;
+    bool many = false;
   };
 
   [[nodiscard]] std::string help() const;

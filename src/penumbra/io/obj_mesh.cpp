@@ -108,7 +108,7 @@ class MeshMaker {
   [[nodiscard]] bool has_normal(const ObjCorner& corner) const {
     return corner.normal != ObjCorner::none && model_.normals[corner.normal] != Vec3f(0.0F);
   }
-  void append_face(std::span<const std::uint32_t> vertices);
+  void append_face(std::span<const std::uint32_t> vertices, std::size_t line);
   void finish();
   [[noreturn]] void fail(const ObjFace& face, std::string_view sentence) const {
     throw FileError(path_, place_of(face), sentence);
@@ -160,10 +160,10 @@ void MeshMaker::add_face(std::uint32_t f) {
   const Vec3d normal = polygon_normal(polygon_);
   face_vertices_.clear();
   for (const ObjCorner& corner : corners_) face_vertices_.push_back(vertex(corner, f, normal));
-  if (cut.stays_whole) append_face(face_vertices_);
+  if (cut.stays_whole) append_face(face_vertices_, face.line);
   for (const CornerTriangle& t : cut.triangles) {
     const Mesh::Triangle triangle{face_vertices_[t[0]], face_vertices_[t[1]], face_vertices_[t[2]]};
-    if (!cut.stays_whole) append_face(triangle);
+    if (!cut.stays_whole) append_face(triangle, face.line);
     mesh_.triangles.push_back(triangle);
     mesh_.materials.push_back(face.material);
     mesh_.face_of_triangle.push_back(static_cast<std::uint32_t>(mesh_.face_offsets.size() - 2));
@@ -261,7 +261,8 @@ std::uint32_t MeshMaker::vertex(const ObjCorner& corner, std::uint32_t face, con
   return made;
 }
 
-void MeshMaker::append_face(std::span<const std::uint32_t> vertices) {
+void MeshMaker::append_face(std::span<const std::uint32_t> vertices, std::size_t line) {
+  mesh_.face_lines.push_back(static_cast<std::uint32_t>(line));
   all_triangles_ = all_triangles_ && vertices.size() == 3;
   mesh_.face_vertices.insert(mesh_.face_vertices.end(), vertices.begin(), vertices.end());
   mesh_.face_offsets.push_back(static_cast<std::uint32_t>(mesh_.face_vertices.size()));

@@ -2,15 +2,35 @@
 #include <stdexcept>
 #include <string>
 
+#include "penumbra/radiosity/form_factors/adaptive.h"
 #include "penumbra/radiosity/form_factors/auto.h"
 #include "penumbra/radiosity/form_factors/form_factor_method.h"
+#include "penumbra/radiosity/form_factors/hemicube.h"
+#include "penumbra/radiosity/form_factors/pair_methods.h"
+#include "penumbra/radiosity/form_factors/ray_cast.h"
 
 // The methods by name. A new one is added to `names` and to make_form_factor_method.
 
 namespace penumbra {
 namespace {
 
-constexpr std::array<std::string_view, 1> names{"auto"};
+constexpr std::array<std::string_view, 7> names{"point",    "nusselt",  "hemicube", "analytic",
+                                                "adaptive", "ray-cast", "auto"};
+
+std::unique_ptr<FormFactorMethod> make_hemicube_of(const PatchMesh& mesh, const FormFactorOptions& options) {
+  HemicubeOptions hemicube;
+  if (options.resolution != 0) hemicube.resolution = options.resolution;
+  hemicube.seed = options.seed;
+  return make_hemicube(mesh, hemicube);
+}
+
+std::unique_ptr<FormFactorMethod> make_ray_cast_of(const PatchMesh& mesh, const FormFactorOptions& options) {
+  RayCastOptions rays;
+  rays.rays = options.rays;
+  rays.tolerance = options.tolerance;
+  rays.seed = options.seed;
+  return make_ray_cast(mesh, rays);
+}
 
 }  // namespace
 
@@ -18,6 +38,12 @@ std::span<const std::string_view> form_factor_method_names() { return names; }
 
 std::unique_ptr<FormFactorMethod> make_form_factor_method(std::string_view name, const PatchMesh& mesh,
                                                           const FormFactorOptions& options) {
+  if (name == "point") return make_point(mesh);
+  if (name == "nusselt") return make_nusselt(mesh);
+  if (name == "hemicube") return make_hemicube_of(mesh, options);
+  if (name == "analytic") return make_analytic(mesh);
+  if (name == "adaptive") return make_adaptive(mesh, {.tolerance = options.tolerance});
+  if (name == "ray-cast") return make_ray_cast_of(mesh, options);
   if (name == "auto") return std::make_unique<AutoFormFactors>(mesh, options);
 
   std::string known;

@@ -294,21 +294,6 @@ std::vector<HemicubeSight> Hemicube::sights(std::size_t item_count) const {
   return of_item;
 }
 
-std::uint32_t Hemicube::item_towards(const Vec3d& point) const {
-  const Vec3d p = frame_.to_local(point - eye_);
-  if (!(p.z > 0)) return nothing;
-  for (std::size_t face = 0; face < 5; ++face) {
-    const Vec3d q = to_face(face, p);
-    if (!(q.z > 0) || std::abs(q.x) > q.z || std::abs(q.y) > q.z) continue;
-    const int n = deltas_->resolution;
-    const auto pixel_of = [&](double t, int count) { return std::clamp(static_cast<int>(t * 0.5 * n), 0, count - 1); };
-    const int column = pixel_of(q.x / q.z + 1, n);
-    const int row = pixel_of(q.y / q.z + (face == 0 ? 1 : 0), rows_of(face, n));
-    return items_[face][static_cast<std::size_t>(row * n + column)];
-  }
-  return nothing;
-}
-
 std::vector<double> hemicube_factors(const PatchMesh& mesh, const Vec3d& eye, const Frame& frame, int resolution) {
   Hemicube hemicube(std::make_shared<HemicubeDeltas>(resolution));
   hemicube.place(eye, frame);
@@ -396,7 +381,7 @@ class HemicubeMethod final : public FormFactorMethod {
       if (j == i || !takes_exact(i, j) || !has_corner_in_front(mesh_, i, j) || !has_corner_in_front(mesh_, j, i))
         continue;
       const bool sighted = seen != sights.end() && seen->patch == j;
-      const double share = visible_share(j, sighted ? seen->factor : 0.0, hemicube);
+      const double share = visible_share(i, j, sighted ? seen->factor : 0.0, hemicube);
       if (share <= 0) continue;
       const double whole = exchange_area(mesh_.polygon(i), mesh_.polygon(j), scratch);
       add(j, share * whole, std::min(share, 1 - share) * whole);
@@ -404,10 +389,22 @@ class HemicubeMethod final : public FormFactorMethod {
   }
 
   // The part of a near patch's pixels that nothing covers; a patch too small for a pixel is seen or not.
-  [[nodiscard]] double visible_share(std::uint32_t j, double seen, Hemicube& hemicube) const {
+  [[nodiscard]] double visible_share(std::uint32_t i, std::uint32_t j, double seen, Hemicube& hemicube) const {
     const double alone = hemicube.cover(mesh_.polygon(j));
     if (alone > 0) return std::min(1.0, seen / alone);
-    return hemicube.item_towards(mesh_.centroids[j]) == j ? 1.0 : 0.0;
+    return centres_see_each_other(i, j) ? 1.0 : 0.0;
+  }
+
+  [[nodiscard]] bool centres_see_each_other(std::uint32_t i, std::uint32_t j) const {
+    const Vec3d &from = mesh_.centroids[i], &to = mesh_.centroids[j];
+    const double slack = 1e-9 * length(to - from);
+    for (std::uint32_t k = 0; k < mesh_.patch_count(); ++k) {
+      const double a = dot(mesh_.normals[k], from - mesh_.centroids[k]);
+      const double b = dot(mesh_.normals[k], to - mesh_.centroids[k]);
+      if (std::abs(a) <= slack || std::abs(b) <= slack || (a > 0) == (b > 0)) continue;
+      if (convex_contains(mesh_.polygon(k), from + a / (a - b) * (to - from))) return false;
+    }
+    return true;
   }
 
   // Pixels wrongly given to one side of the outline, and the one point that stands for patch i.

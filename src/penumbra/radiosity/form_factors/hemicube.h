@@ -81,8 +81,6 @@ class Hemicube {
 
   /// Every item seen, by ascending number, with its factor.
   [[nodiscard]] std::vector<HemicubeSight> sights(std::size_t item_count) const;
-  /// The item that the pixel in this direction sees.
-  [[nodiscard]] std::uint32_t item_towards(const Vec3d& point) const;
   [[nodiscard]] const HemicubeDeltas& deltas() const { return *deltas_; }
 
  private:

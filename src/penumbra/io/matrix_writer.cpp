@@ -1,0 +1,213 @@
+#include "penumbra/io/matrix_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <string_view>
+
+#include "penumbra/file/file_error.h"
+#include "penumbra/file/output_file.h"
+#include "penumbra/io/spool_file.h"
+#include "penumbra/io/zip_writer.h"
+
+namespace penumbra {
+namespace {
+
+// NumPy's format 1.0: magic, version, length of a Python literal that describes the array, padded to 64 bytes.
+std::string npy_header(std::string_view type, std::string_view shape) {
+  std::string literal = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
+  constexpr std::size_t before = 10;
+  literal.append(63 - (before + literal.size()) % 64, ' ');
+  literal += '\n';
+  std::string header("\x93NUMPY\x01\x00", 8);
+  header += static_cast<char>(literal.size() & 0xFF);
+  header += static_cast<char>(literal.size() >> 8);
+  return header + literal;
+}
+
+template <class T>
+std::string_view raw(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+// One code point of UTF-8; what is not UTF-8 becomes U+FFFD.
+char32_t take_code_point(std::string_view& text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  const std::size_t size = lead < 0x80 ? 1 : lead >= 0xF0 && lead < 0xF8 ? 4 : lead >= 0xE0 ? 3 : lead >= 0xC0 ? 2 : 0;
+  char32_t point = lead < 0x80 ? lead : lead & (0xFFU >> (size + 1));
+  bool good = size > 0 && size <= text.size() && lead < 0xF8;
+  for (std::size_t i = 1; good && i < size; ++i) {
+    good = (byte(i) & 0xC0U) == 0x80U;
+    point = point << 6 | (byte(i) & 0x3FU);
+  }
+  good = good && point <= 0x10FFFF && !(point >= 0xD800 && point <= 0xDFFF);
+  text.remove_prefix(good ? size : 1);
+  return good ? point : U'\uFFFD';
+}
+
+std::u32string code_points(std::string_view text) {
+  std::u32string points;
+  while (!text.empty()) points += take_code_point(text);
+  return points;
+}
+
+// NumPy's '<U': the same number of code points for each, padded with zeros.
+std::string npy_names(const std::vector<std::string>& names) {
+  std::vector<std::u32string> points;
+  std::size_t width = 1;
+  for (const std::string& name : names) {
+    points.push_back(code_points(name));
+    width = std::max(width, points.back().size());
+  }
+  std::string array = npy_header(fmt::format("<U{}", width), fmt::format("({},)", names.size()));
+  for (std::u32string& name : points) {
+    name.resize(width);
+    array.append(reinterpret_cast<const char*>(name.data()), 4 * width);
+  }
+  return array;
+}
+
+class NpzWriter final : public MatrixWriter {
+ public:
+  explicit NpzWriter(const std::filesystem::path& path) : out_(path), data_(path), indices_(path) {}
+
+  void add_row(std::span<const std::uint32_t> columns, std::span<const double> values) override {
+    assert(columns.size() == values.size());
+    indices_.write(std::as_bytes(columns));
+    data_.write(std::as_bytes(values));
+    offsets_.push_back(offsets_.back() + static_cast<std::int64_t>(columns.size()));
+  }
+
+  void finish(const MatrixDescription& description) override {
+    const std::size_t rows = description.areas.size();
+    assert(offsets_.size() == rows + 1);
+    const std::string entries = fmt::format("({},)", offsets_.back());
+    const std::vector<std::int64_t> shape{static_cast<std::int64_t>(rows), static_cast<std::int64_t>(rows)};
+    ZipWriter zip(out_);
+    zip.add("indices.npy", npy_header("<i4", entries), indices_);
+    zip.add("indptr.npy", npy_header("<i8", fmt::format("({},)", rows + 1)) + std::string(raw(offsets_)));
+    zip.add("format.npy", npy_header("|S3", "()") + "csr");
+    zip.add("shape.npy", npy_header("<i8", "(2,)") + std::string(raw(shape)));
+    zip.add("data.npy", npy_header("<f8", entries), data_);
+    zip.add("area.npy", npy_header("<f8", fmt::format("({},)", rows)) + std::string(raw(description.areas)));
+    zip.add("name.npy", npy_names(description.names));
+    zip.add("partial.npy", npy_header("|b1", "()") + std::string(1, description.partial ? '\1' : '\0'));
+    zip.finish();
+    out_.commit();
+  }
+
+ private:
+  OutputFile out_;
+  SpoolFile data_, indices_;
+  std::vector<std::int64_t> offsets_{0};
+};
+
+// Text that waits until the number of entries or the names are known.
+class MatrixMarketWriter final : public MatrixWriter {
+ public:
+  explicit MatrixMarketWriter(const std::filesystem::path& path) : out_(path), entries_(path) {}
+
+  void add_row(std::span<const std::uint32_t> columns, std::span<const double> values) override {
+    ++row_;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const std::string line = fmt::format("{} {} {}\n", row_, columns[k] + 1, values[k]);
+      entries_.write(std::as_bytes(std::span(line)));
+    }
+    count_ += columns.size();
+  }
+
+  void finish(const MatrixDescription& description) override {
+    std::string head =
+        "%%MatrixMarket matrix coordinate real general\n% form factors F_ij: the share of what leaves i "
+        "that arrives at j\n";
+    if (description.partial) head += "% partial: the computation was stopped, missing entries read as 0\n";
+    head += "% row area_m2 name\n";
+    for (std::size_t i = 0; i < description.areas.size(); ++i) {
+      std::string name = description.names[i];
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+      head += fmt::format("% {} {} {}\n", i + 1, description.areas[i], name);
+    }
+    head += fmt::format("{0} {0} {1}\n", description.areas.size(), count_);
+    out_.write(head);
+    entries_.copy_to(out_);
+    out_.commit();
+  }
+
+ private:
+  OutputFile out_;
+  SpoolFile entries_;
+  std::uint64_t row_ = 0;
+  std::uint64_t count_ = 0;
+};
+
+class CsvWriter final : public MatrixWriter {
+ public:
+  explicit CsvWriter(const std::filesystem::path& path) : out_(path), entries_(path) {}
+
+  void add_row(std::span<const std::uint32_t> columns, std::span<const double> values) override {
+    entries_.write_value(static_cast<std::uint64_t>(columns.size()));
+    entries_.write(std::as_bytes(columns));
+    entries_.write(std::as_bytes(values));
+  }
+
+  void finish(const MatrixDescription& description) override {
+    std::vector<std::string> names;
+    for (const std::string& name : description.names) names.push_back(csv_word(name));
+    out_.write(description.partial ? "# partial: the computation was stopped, missing entries read as 0\n" : "");
+    out_.write("i,j,from,to,area,factor\n");
+    std::uint64_t at = 0;
+    std::vector<std::uint32_t> columns;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < description.areas.size(); ++i) {
+      read_row(at, columns, values);
+      std::string lines;
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        lines += fmt::format("{},{},{},{},{},{}\n", i, columns[k], names[i], names[columns[k]], description.areas[i],
+                             values[k]);
+      }
+      out_.write(lines);
+    }
+    out_.commit();
+  }
+
+ private:
+  void read_row(std::uint64_t& at, std::vector<std::uint32_t>& columns, std::vector<double>& values) {
+    std::uint64_t count = 0;
+    const auto take = [&](std::span<std::byte> bytes) {
+      entries_.read(at, bytes);
+      at += bytes.size();
+    };
+    take(std::as_writable_bytes(std::span(&count, 1)));
+    columns.resize(count);
+    values.resize(count);
+    take(std::as_writable_bytes(std::span(columns)));
+    take(std::as_writable_bytes(std::span(values)));
+  }
+
+  // RFC 4180: quotes around what holds a comma, a quote or a line end.
+  static std::string csv_word(const std::string& word) {
+    if (word.find_first_of(",\"\r\n") == std::string::npos) return word;
+    std::string out = "\"";
+    for (const char c : word) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+  }
+
+  OutputFile out_;
+  SpoolFile entries_;
+};
+
+}  // namespace
+
+std::unique_ptr<MatrixWriter> make_matrix_writer(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".npz") return std::make_unique<NpzWriter>(path);
+  if (extension == ".mtx") return std::make_unique<MatrixMarketWriter>(path);
+  if (extension == ".csv") return std::make_unique<CsvWriter>(path);
+  throw FileError(path.string(), "", "a matrix is written as .npz, .mtx or .csv; end the name in one of them");
+}
+
+}  // namespace penumbra
