@@ -1,7 +1,7 @@
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
 
 #include <algorithm>
-#include <cassert>
+#include <bit>
 
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/patch_mesh.h"
@@ -29,23 +29,25 @@ std::vector<std::uint64_t> row_offsets(const std::vector<std::vector<PackedPair>
 /// Sorts each row by column and adds up what appears twice. Returns whether any row became shorter.
 bool sort_rows(FactorMatrix& m, std::vector<std::uint64_t>& lengths) {
   lengths.assign(m.rows(), 0);
-  parallel_for(m.rows(), 64, [&](std::size_t first, std::size_t last) {
-    std::vector<std::pair<std::uint32_t, double>> row;
+  parallel_for(m.rows(), 256, [&](std::size_t first, std::size_t last) {
+    // A dense row and a bit for each column in use: cheaper than sorting thousands of entries.
+    std::vector<double> dense(m.rows(), 0.0);
+    std::vector<std::uint64_t> used((m.rows() + 63) / 64, 0);
     for (std::size_t i = first; i < last; ++i) {
-      const std::uint64_t begin = m.offsets[i], end = m.offsets[i + 1];
-      row.clear();
-      for (std::uint64_t k = begin; k < end; ++k) row.emplace_back(m.columns[k], m.values[k]);
-      std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-      std::uint64_t out = begin;
-      for (std::size_t k = 0; k < row.size(); ++k) {
-        if (k > 0 && row[k].first == row[k - 1].first) {
-          m.values[out - 1] += row[k].second;
-        } else {
-          m.columns[out] = row[k].first;
-          m.values[out++] = row[k].second;
+      for (std::uint64_t k = m.offsets[i]; k < m.offsets[i + 1]; ++k) {
+        dense[m.columns[k]] += m.values[k];
+        used[m.columns[k] / 64] |= std::uint64_t{1} << (m.columns[k] % 64);
+      }
+      std::uint64_t out = m.offsets[i];
+      for (std::size_t word = 0; word < used.size(); ++word) {
+        for (; used[word] != 0; used[word] &= used[word] - 1) {
+          const std::size_t column = 64 * word + static_cast<std::size_t>(std::countr_zero(used[word]));
+          m.columns[out] = static_cast<std::uint32_t>(column);
+          m.values[out++] = dense[column];
+          dense[column] = 0;
         }
       }
-      lengths[i] = out - begin;
+      lengths[i] = out - m.offsets[i];
     }
   });
   for (std::size_t i = 0; i < m.rows(); ++i)

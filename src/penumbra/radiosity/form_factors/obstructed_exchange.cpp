@@ -10,7 +10,9 @@ namespace {
 constexpr int nodes = 4;
 constexpr double kink_share = 0.2;
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
-constexpr double least_balance = 0.02;       // a shadow line closer than this share to a cell's rim does not split it
+constexpr double loose_tolerance = 0.01;     // relative
+constexpr double first_cut_balance = 0.15;
+constexpr double least_balance = 0.02;  // a shadow line closer than this share to a cell's rim does not split it
 
 /// Legendre polynomials of degree 2 and 3 at the Gauss nodes, orthonormal on [0, 1].
 struct HighModes {
@@ -128,12 +130,26 @@ void ObstructedExchange::evaluate(Cell& cell) {
 ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, std::size_t max_cells) {
   if (receiver_.size() < 3 || source_.size() < 3) return {};
   std::size_t count = 1;
-  if (cells_.empty()) cells_.emplace_back();
+  if (cells_.size() < 3) cells_.resize(3);
   cells_[0].polygon = receiver_;
-  evaluate(cells_[0]);
-  double error = cells_[0].error, exchange = cells_[0].exchange;
+  // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
+  if (blocker_count_ > 0 && relative < loose_tolerance && max_cells > 1) {
+    find_shadow_lines();
+    if (best_line(receiver_, first_cut_balance) != nullptr && split(cells_[0], cells_[1], cells_[2])) {
+      std::swap(cells_[0], cells_[1]);
+      std::swap(cells_[1], cells_[2]);
+      count = 2;
+    }
+  }
+  double error = 0, exchange = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    evaluate(cells_[k]);
+    error += cells_[k].error;
+    exchange += cells_[k].exchange;
+  }
   // A heap with the worst cell on top.
   const auto better = [](const Cell& a, const Cell& b) { return a.error < b.error; };
+  std::make_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
   while (error > allowed + relative * exchange && count < max_cells) {
     std::pop_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
     if (cells_.size() < count + 2) cells_.resize(count + 2);
@@ -159,32 +175,36 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   return sum;
 }
 
-void ObstructedExchange::add_shadow_line(const ShadowLine& line) {
+/// Whether the plane through `point` with this normal (not unit) has corners of the receiver on both sides.
+bool ObstructedExchange::cuts_receiver(const Vec3d& normal, const Vec3d& point) const {
   bool front = false, back = false;
   for (const Vec3d& v : receiver_) {
-    const double d = line.plane.distance(v);
+    const double d = dot(normal, v - point);
     front |= d > 0;
     back |= d < 0;
   }
-  if (front && back) lines_.push_back(line);
+  return front && back;
 }
 
 void ObstructedExchange::find_shadow_lines() {
   lines_found_ = true;
+  lines_.clear();
   const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
+    if (!cuts_receiver(across, pole)) return;
     const double size = length(across);
     if (!(size > 1e-14 * length(from - pole) * length(to - pole))) return;
-    add_shadow_line({{across / size, dot(across / size, pole)}, pole, from, to, true});
+    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
+    if (matters(line, receiver_)) lines_.push_back(line);
   };
   for (std::size_t k = 0; k < blocker_count_; ++k) {
     const auto& blocker = blockers_[k];
     const Plane3 edge_on = polygon_plane(blocker);
-    add_shadow_line({edge_on, {}, {}, {}, false});
+    if (cuts_receiver(edge_on.normal, blocker[0])) lines_.push_back({edge_on, {}, {}, {}, false});
     for (std::size_t a = 0; a < source_.size(); ++a)
       for (std::size_t b = 0; b < blocker.size(); ++b) {
-        add(source_[a], blocker[b], blocker[(b + 1) % blocker.size()]);
-        add(blocker[b], source_[a], source_[(a + 1) % source_.size()]);
+        add(source_[a], blocker[b], blocker[b + 1 == blocker.size() ? 0 : b + 1]);
+        add(blocker[b], source_[a], source_[a + 1 == source_.size() ? 0 : a + 1]);
       }
   }
 }

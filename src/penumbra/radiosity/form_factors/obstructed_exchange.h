@@ -56,7 +56,7 @@ class ObstructedExchange {
   };
 
   void find_shadow_lines();
-  void add_shadow_line(const ShadowLine& line);
+  [[nodiscard]] bool cuts_receiver(const Vec3d& normal, const Vec3d& point) const;
   void evaluate(Cell& cell);
   [[nodiscard]] ExchangeEstimate rule_on(std::span<const WeightedPoint> points, bool kinks);
   [[nodiscard]] const ShadowLine* best_line(std::span<const Vec3d> cell, double least) const;
