@@ -90,7 +90,8 @@ void add_camera_options(OptionParser& parser, CameraOptions& options) {
                "which way is up in the picture, for --eye and for the camera that frames the scene (default: 0,1,0); "
                "without --eye it asks for the latter",
                [&](const OptionValue& v) { options.up = direction(v); });
-  parser.value("--fov", "DEG", "vertical field of view in degrees (default: the camera's own; 40 where it has none)",
+  parser.value("--fov", "DEG",
+               "vertical field of view in degrees (default: the camera's own; 40 where it has none, 65 inside a room)",
                [&](const OptionValue& v) { options.fov = fov(v); });
 }
 
@@ -110,7 +111,7 @@ Camera choose_camera(const CameraOptions& options, const RayTracer& tracer, doub
   if (options.eye) return eye_camera(options);
   if (options.name) return with_fov(file_camera(*options.name, cameras, source), options.fov);
   if (!cameras.empty() && !options.up) return with_fov(cameras.front(), options.fov);
-  return framing_camera(tracer, options.fov.value_or(usual_fov), aspect, options.up.value_or(Vec3d(0, 1, 0)));
+  return framing_camera(tracer, options.fov, aspect, options.up.value_or(Vec3d(0, 1, 0)));
 }
 
 std::map<std::string, std::string> camera_metadata(const Camera& camera) {

@@ -16,8 +16,8 @@ class DirectLight {
   DirectLight(const RayTracer& tracer, bool through_glass) : lights_(tracer.scene()), shadow_(tracer, through_glass) {}
 
   /// Radiance that the surface sends towards `wo`: one shadow ray to each light. Lights with a body are met at a random
-  /// point of theirs, so that several samples a pixel make soft shadows. Lobes of roughness up to `roughness_limit` are
-  /// left out.
+  /// point of theirs, so that several samples a pixel make soft shadows; of lights with many parts the point is chosen
+  /// among several by what it would bring unhindered. Lobes of roughness up to `roughness_limit` are left out.
   [[nodiscard]] Rgb reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
                               int depth, PixelSampler& sampler, RayCounts& rays) const;
 
@@ -26,6 +26,25 @@ class DirectLight {
   [[nodiscard]] bool is_binary() const { return shadow_.is_binary(); }
 
  private:
+  // A shading point and the way back along which its light goes.
+  struct Receiver {
+    const SurfacePoint& point;
+    const Bsdf& bsdf;
+    const Vec3d& wo;
+    Vec3d facing;  // shading normal on the side of wo
+    double roughness_limit;
+  };
+  // A shadow ray to send, and what it brings when nothing stands in the way.
+  struct Candidate {
+    Ray shadow_ray;
+    Rgb radiance{0};
+  };
+
+  [[nodiscard]] Candidate unhindered(const Receiver& to, const LightSample& light) const;
+  [[nodiscard]] Candidate from_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const;
+  [[nodiscard]] Candidate from_many_parts(const Receiver& to, std::size_t light, PixelSampler& sampler) const;
+  [[nodiscard]] Candidate from_sky(const Receiver& to, PixelSampler& sampler) const;
+
   LightSampler lights_;
   Shadow shadow_;
 };

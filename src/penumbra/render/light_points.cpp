@@ -29,10 +29,12 @@ std::optional<PacketLight> area(const Scene& scene, const LightSampler::Source& 
   const Mesh& mesh = scene.meshes[instance.mesh];
   const double mirror = is_mirroring(instance.to_world) ? -1.0 : 1.0;
   PacketLight out;
+  // Lights of many parts are better met by choice, see DirectLight.
+  if (source.triangles.size() > 4) return std::nullopt;
   for (std::size_t i = 0; i < source.triangles.size(); ++i) {
     const Mesh::Triangle& c = mesh.triangles[source.triangles[i]];
     const Material& material = scene.materials[mesh.material_of(source.triangles[i])];
-    if (material.emission_texture) return std::nullopt;
+    if (material.emission_texture || material.alpha_mode != AlphaMode::opaque) return std::nullopt;
     const Vec3d v0 = transform_point(instance.to_world, mesh.positions[c[0]]);
     const Vec3d e1 = transform_point(instance.to_world, mesh.positions[c[1]]) - v0;
     const Vec3d e2 = transform_point(instance.to_world, mesh.positions[c[2]]) - v0;

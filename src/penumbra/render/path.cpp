@@ -21,6 +21,11 @@ constexpr double most_survival = 0.95;
 // 2).
 double power_heuristic(double a, double b) { return a * a / (a * a + b * b); }
 
+Vec3d facing(const Bsdf& bsdf, const Vec3d& wo) {
+  const Vec3d& n = bsdf.shading_normal();
+  return dot(n, wo) < 0 ? -n : n;
+}
+
 /// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance
 /// sampling; Russian roulette ends paths without bias.
 class Path final : public RayIntegrator {
@@ -44,6 +49,7 @@ class Path final : public RayIntegrator {
     double bsdf_pdf = 0;  // of the last direction; 0 after an ideal bounce and for camera rays: only BSDF sampling can
                           // find light then
     Vec3d last_position{0};
+    Vec3d last_facing{0};      // the shading normal there, on the side the path came from
     bool mirrors_only = true;  // no lobe with spread yet
     Interior interior;
   };
@@ -86,12 +92,13 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
 
     const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
     if (surface.alpha < 1 && sampler.next_1d() >= surface.alpha) {
+      count(rays, RayPurpose::refraction, walk.depth);
       walk.ray = leave(point, walk.ray.direction);  // seen through; the walk's memory of its last bounce stays
       continue;
     }
     const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
     Rgb light = walk.throughput * emitted(walk, point, surface);
-    if (walk.depth == 0) note_surface(seen, walk.ray, point, surface, bsdf, Rgb(0));
+    if (walk.depth == 0) note_surface(seen, ray, point, surface, bsdf, Rgb(0));
     if (walk.depth <= 1) seen.direct += light;
     seen.radiance += light;
 
@@ -110,7 +117,8 @@ Rgb Path::sky(const Walk& walk) const {
   if (walk.mirrors_only) return radiance;  // seen directly or in mirrors
   if (!lights_.environment().lights_surfaces()) return Rgb(0);
   if (walk.bsdf_pdf == 0) return radiance;
-  return radiance * static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.environment_pdf(walk.ray.direction)));
+  return radiance * static_cast<float>(
+                        power_heuristic(walk.bsdf_pdf, lights_.environment_pdf(walk.ray.direction, walk.last_facing)));
 }
 
 Rgb Path::emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface) const {
@@ -125,7 +133,7 @@ Rgb Path::emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMate
 Rgb Path::light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth,
                             PixelSampler& sampler, RayCounts& rays) const {
   const double u_light = sampler.next_1d();
-  const auto s = lights_.sample(point, u_light, sampler.next_2d());
+  const auto s = lights_.sample(point, u_light, sampler.next_2d(), facing(bsdf, wo));
   if (!s) return Rgb(0);
   const Rgb f = bsdf.evaluate(wo, s->direction);
   if (is_black(f)) return Rgb(0);
@@ -152,6 +160,7 @@ bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, Pixel
   }
   walk.bsdf_pdf = s->pdf;
   walk.last_position = point.position;
+  walk.last_facing = facing(bsdf, -walk.ray.direction);
   walk.mirrors_only = walk.mirrors_only && s->ideal;
   walk.interior.cross(tracer_.scene(), point, s->direction, s->transmitted);
   walk.ray = leave(point, s->direction);

@@ -6,7 +6,9 @@
 #include <numbers>
 
 #include "penumbra/math/sampling.h"
+#include "penumbra/tracing/opacity.h"
 #include "penumbra/tracing/shading/surface_material.h"
+#include "penumbra/tracing/shape_intersection.h"
 
 namespace penumbra {
 namespace {
@@ -36,6 +38,20 @@ std::size_t find_cell(const std::vector<double>& cdf, double u) {
   const auto above = std::upper_bound(cdf.begin(), cdf.end(), u);
   const auto cell = above - cdf.begin() - 1;
   return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(cell, 0, static_cast<std::ptrdiff_t>(cdf.size()) - 2));
+}
+
+bool is_lamp(const Material& m) { return m.emits() && !m.unlit; }
+
+// What a point of a lamp shines in the mean over the rays that meet it: nothing in the holes of a mask, in part where
+// it is blended with what lies behind.
+Rgb emission_at(const Scene& scene, const SurfacePoint& light) {
+  const Material& m = scene.materials[light.material];
+  Rgb emission = m.emission;
+  if (m.emission_texture) emission = surface_material(scene, light).emission;
+  if (m.alpha_mode == AlphaMode::opaque) return emission;
+  const float alpha = surface_alpha(scene, m, light.uv, light.colour.w);
+  if (m.alpha_mode == AlphaMode::blend) return alpha * emission;
+  return alpha >= m.alpha_cutoff ? emission : Rgb(0);
 }
 
 double sides(const Material& m) { return m.double_sided ? 2.0 : 1.0; }
@@ -101,12 +117,12 @@ void LightSampler::add_mesh(std::uint32_t object) {
   const Instance& instance = scene_->instances[object];
   const Mesh& mesh = scene_->meshes[instance.mesh];
   const bool shines = std::any_of(mesh.materials.begin(), mesh.materials.end(),
-                                  [&](std::uint32_t m) { return scene_->materials[m].emits(); });
+                                  [&](std::uint32_t m) { return is_lamp(scene_->materials[m]); });
   if (!shines) return;
   Source source{Kind::mesh, object, 0, {}, {0.0}};
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Material& m = scene_->materials[mesh.material_of(t)];
-    if (!m.emits()) continue;
+    if (!is_lamp(m)) continue;
     const double power =
         pi * sides(m) * luminance(m.emission) * length(world_triangle(instance, mesh, t).area_normal());
     if (!(power > 0)) continue;
@@ -130,7 +146,7 @@ void LightSampler::add_shape(std::uint32_t object) {
   const ShapeObject& o = scene_->shapes[object - scene_->instances.size()];
   const Material& m = scene_->materials[o.material];
   const double power = pi * sides(m) * luminance(m.emission) * shape_area(o.shape);
-  if (!(power > 0)) return;
+  if (!is_lamp(m) || !(power > 0)) return;
   light_of_object_[object] = static_cast<std::uint32_t>(lights_.size());
   lights_.push_back({Kind::shape, object, power, {}, {}});
 }
@@ -148,8 +164,8 @@ void LightSampler::finish_choice() {
   for (double& c : choice_cdf_) c /= std::max(choice_cdf_.back(), std::numeric_limits<double>::min());
 }
 
-std::optional<LightSample> LightSampler::sample_light(std::size_t light, const SurfacePoint& from,
-                                                      const Vec2d& u) const {
+std::optional<LightSample> LightSampler::sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u,
+                                                      const Vec3d& facing) const {
   const Source& source = lights_[light];
   switch (source.kind) {
     case Kind::punctual:
@@ -159,15 +175,16 @@ std::optional<LightSample> LightSampler::sample_light(std::size_t light, const S
     case Kind::shape:
       return sample_shape(source, from, u);
     case Kind::environment:
-      return sample_environment(from, u);
+      return sample_environment(from, u, facing);
   }
   return std::nullopt;
 }
 
-std::optional<LightSample> LightSampler::sample(const SurfacePoint& from, double u_light, const Vec2d& u) const {
+std::optional<LightSample> LightSampler::sample(const SurfacePoint& from, double u_light, const Vec2d& u,
+                                                const Vec3d& facing) const {
   if (lights_.empty()) return std::nullopt;
   const std::size_t light = find_cell(choice_cdf_, u_light);
-  auto s = sample_light(light, from, u);
+  auto s = sample_light(light, from, u, facing);
   if (!s) return s;
   const double chance = choice_cdf_[light + 1] - choice_cdf_[light];
   if (s->pdf > 0) {
@@ -218,7 +235,7 @@ std::optional<LightSample> LightSampler::towards(const SurfacePoint& from, const
   const Material& material = scene_->materials[light.material];
   if (cosine <= 0 || !emits_towards(material, light.geometric_normal, -s.direction)) return std::nullopt;
   s.pdf = area_pdf * distance2 / cosine;
-  s.radiance = material.emission_texture ? surface_material(*scene_, light).emission : material.emission;
+  s.radiance = emission_at(*scene_, light);
   if (!(s.pdf > 0) || !std::isfinite(s.pdf) || is_black(s.radiance)) return std::nullopt;
   s.shadow_ray = segment(from, light);
   return s;
@@ -250,6 +267,10 @@ std::optional<LightSample> LightSampler::sample_mesh(const Source& source, const
     light.uv[set] = static_cast<float>(1 - b.x - b.y) * uv[c[0]] + static_cast<float>(b.x) * uv[c[1]] +
                     static_cast<float>(b.y) * uv[c[2]];
   }
+  if (!mesh.colours.empty()) {
+    light.colour = static_cast<float>(1 - b.x - b.y) * mesh.colours[c[0]] +
+                   static_cast<float>(b.x) * mesh.colours[c[1]] + static_cast<float>(b.y) * mesh.colours[c[2]];
+  }
   return towards(from, light, chance / area);
 }
 
@@ -278,7 +299,8 @@ std::optional<LightSample> LightSampler::sample_shape(const Source& source, cons
       LightSample s;
       s.direction = direction;
       s.pdf = 1 / (2 * pi * one_minus_cos);
-      s.radiance = surface_material(*scene_, light).emission;
+      light.uv[0] = light.uv[1] = shape_point(object.shape, light.position).uv;
+      s.radiance = emission_at(*scene_, light);
       s.shadow_ray = segment(from, light);
       return s;
     }
@@ -299,17 +321,28 @@ std::optional<LightSample> LightSampler::sample_shape(const Source& source, cons
   }
   light.shading_normal = light.geometric_normal;
   light.error = rounding(light.position, 0);
+  light.uv[0] = light.uv[1] = shape_point(object.shape, light.position).uv;
   return towards(from, light, 1 / shape_area(object.shape));
 }
 
-std::optional<LightSample> LightSampler::sample_environment(const SurfacePoint& from, const Vec2d& u) const {
-  const EnvironmentMap::Sample e = environment_.sample(u);
-  if (!(e.pdf > 0)) return std::nullopt;
+// Of an environment of one colour, only the surface's own cosine says which directions matter.
+bool LightSampler::by_cosine(const Vec3d& facing) const { return !environment_.has_picture() && facing != Vec3d(0); }
+
+std::optional<LightSample> LightSampler::sample_environment(const SurfacePoint& from, const Vec2d& u,
+                                                            const Vec3d& facing) const {
   LightSample s;
-  s.direction = e.direction;
-  s.pdf = e.pdf;
-  s.radiance = environment_.radiance(e.direction);
-  s.shadow_ray = leave(from, e.direction);
+  if (by_cosine(facing)) {
+    const Vec3d local = sample_cosine_hemisphere(u);
+    s.direction = Frame(facing).to_world(local);
+    s.pdf = local.z / pi;
+  } else {
+    const EnvironmentMap::Sample e = environment_.sample(u);
+    s.direction = e.direction;
+    s.pdf = e.pdf;
+  }
+  if (!(s.pdf > 0)) return std::nullopt;
+  s.radiance = environment_.radiance(s.direction);
+  s.shadow_ray = leave(from, s.direction);
   return s;
 }
 
@@ -344,10 +377,11 @@ double LightSampler::shape_pdf(const ShapeObject& object, const Vec3d& from, con
   return cosine > 0 ? distance2 / (cosine * shape_area(object.shape)) : 0;
 }
 
-double LightSampler::environment_pdf(const Vec3d& direction) const {
+double LightSampler::environment_pdf(const Vec3d& direction, const Vec3d& facing) const {
   if (!environment_.lights_surfaces() || lights_.empty() || lights_.back().kind != Kind::environment) return 0;
   const std::size_t last = lights_.size() - 1;
-  return (choice_cdf_[last + 1] - choice_cdf_[last]) * environment_.pdf(direction);
+  const double density = by_cosine(facing) ? std::max(0.0, dot(facing, direction)) / pi : environment_.pdf(direction);
+  return (choice_cdf_[last + 1] - choice_cdf_[last]) * density;
 }
 
 }  // namespace penumbra

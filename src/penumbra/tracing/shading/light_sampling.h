@@ -43,17 +43,20 @@ class LightSampler {
   [[nodiscard]] const Source& light(std::size_t number) const { return lights_[number]; }
 
   /// A direction towards one light; none when it cannot light the point at all.
-  [[nodiscard]] std::optional<LightSample> sample_light(std::size_t light, const SurfacePoint& from,
-                                                        const Vec2d& u) const;
+  /// @param facing unit normal of the side to be lit: an environment without a picture is then sampled by the cosine
+  /// with it. Zero: from all sides alike.
+  [[nodiscard]] std::optional<LightSample> sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u,
+                                                        const Vec3d& facing = Vec3d(0)) const;
 
   /// A direction towards a light chosen in proportion to its power; the pdf and the weight include the choice.
-  [[nodiscard]] std::optional<LightSample> sample(const SurfacePoint& from, double u_light, const Vec2d& u) const;
+  [[nodiscard]] std::optional<LightSample> sample(const SurfacePoint& from, double u_light, const Vec2d& u,
+                                                  const Vec3d& facing = Vec3d(0)) const;
 
   /// The density (1/sr) with which `sample` would choose the direction from `from` to the point `light` of an emissive
   /// object.
   [[nodiscard]] double pdf(const Vec3d& from, const SurfacePoint& light) const;
   /// The density (1/sr) with which `sample` would choose a direction that leaves the scene.
-  [[nodiscard]] double environment_pdf(const Vec3d& direction) const;
+  [[nodiscard]] double environment_pdf(const Vec3d& direction, const Vec3d& facing = Vec3d(0)) const;
 
   [[nodiscard]] const EnvironmentMap& environment() const { return environment_; }
   /// Sum of the ambient lights' radiance.
@@ -70,7 +73,9 @@ class LightSampler {
   [[nodiscard]] std::optional<LightSample> sample_mesh(const Source& source, const SurfacePoint& from, Vec2d u) const;
   [[nodiscard]] std::optional<LightSample> sample_shape(const Source& source, const SurfacePoint& from,
                                                         const Vec2d& u) const;
-  [[nodiscard]] std::optional<LightSample> sample_environment(const SurfacePoint& from, const Vec2d& u) const;
+  [[nodiscard]] std::optional<LightSample> sample_environment(const SurfacePoint& from, const Vec2d& u,
+                                                              const Vec3d& facing) const;
+  [[nodiscard]] bool by_cosine(const Vec3d& facing) const;
   [[nodiscard]] std::optional<LightSample> towards(const SurfacePoint& from, const SurfacePoint& light,
                                                    double area_pdf) const;
   [[nodiscard]] double shape_pdf(const ShapeObject& object, const Vec3d& from, const SurfacePoint& light) const;
