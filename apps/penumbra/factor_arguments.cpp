@@ -187,12 +187,14 @@ std::unique_ptr<FormFactorMethod> make_method(const FactorArguments& a, const Pa
     AdaptiveOptions options;
     options.tolerance = a.used_tolerance();
     options.visibility = a.adaptive_visibility.value_or(options.visibility);
+    options.between_surfaces_only = a.geometry.is_pair();
     return make_adaptive(mesh, options);
   }
   FormFactorOptions options;
   options.tolerance = a.used_tolerance();
   options.seed = a.common.seed;
   options.rays = a.rays.value_or(0);
+  options.between_surfaces_only = a.geometry.is_pair();
   return make_form_factor_method(a.method, mesh, options);
 }
 

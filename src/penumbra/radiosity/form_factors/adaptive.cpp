@@ -141,6 +141,7 @@ class AdaptiveMethod final : public FormFactorMethod {
     if (tree_) work.sight.emplace(*tree_);
     const auto i = static_cast<std::uint32_t>(index);
     for (std::uint32_t j = i + 1; j < mesh_.radiating_count; ++j) {
+      if (options_.between_surfaces_only && mesh_.surface_of[i] == mesh_.surface_of[j]) continue;
       const ExchangeEstimate pair = exchange(i, j, work);
       if (pair.exchange > 0) block.pairs.push_back({i, j, pair.exchange, static_cast<float>(pair.error)});
     }

@@ -21,7 +21,8 @@ enum class AdaptiveVisibility {
 struct AdaptiveOptions {
   double tolerance = 1e-4;  ///< for each row, of the sum of |error of F_ij|
   AdaptiveVisibility visibility = AdaptiveVisibility::clipping;
-  std::size_t most_cells = 1 << 16;  ///< pieces that one receiver may be cut into
+  std::size_t most_cells = 1 << 16;    ///< pieces that one receiver may be cut into
+  bool between_surfaces_only = false;  ///< leaves out the pairs within one surface
 };
 
 /// Obstructed form factors by adaptive integration (G. N. Walton, "Calculation of Obstructed View Factors by Adaptive

@@ -70,6 +70,7 @@ struct AutoFormFactors::Impl::Worker {
   void entitle(std::size_t a, std::size_t b);
   void cluster_pair(std::size_t a, std::size_t b);
   void patch_row(std::size_t a, std::size_t lane, std::size_t b);
+  [[nodiscard]] std::uint32_t same_surface(std::size_t slot, std::size_t cluster) const;
   void find_blockers(std::size_t a, std::size_t lane, std::size_t b, std::uint32_t& facing);
   void refine_where_needed(std::size_t slot, std::size_t cluster, std::uint32_t facing);
   void patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling);
@@ -218,11 +219,22 @@ void AutoFormFactors::Impl::Worker::refine_where_needed(std::size_t slot, std::s
   if (wanted != 0) refine_exchange(impl.clusters, slot, cluster, wanted, open);
 }
 
+/// The lanes of a cluster whose patches belong to the same surface as that of the slot.
+std::uint32_t AutoFormFactors::Impl::Worker::same_surface(std::size_t slot, std::size_t cluster) const {
+  const std::uint32_t surface = impl.mesh.surface_of[impl.clusters.patch[slot]];
+  std::uint32_t same = 0;
+  for (std::size_t l = 0; l < PatchClusters::lanes; ++l) {
+    if (impl.mesh.surface_of[impl.clusters.patch[cluster * PatchClusters::lanes + l]] == surface) same |= 1U << l;
+  }
+  return same;
+}
+
 void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, std::size_t b) {
   const std::size_t slot = a * PatchClusters::lanes + lane;
   far_exchange(impl.clusters, slot, b, impl.coplanar, open);
   std::uint32_t facing = open.facing;
   if (a == b) facing &= ~((2U << lane) - 1U);
+  if (impl.options.between_surfaces_only) facing &= ~same_surface(slot, b);
   if (facing == 0) return;
   find_blockers(a, lane, b, facing);
   refine_where_needed(slot, b, facing);

@@ -46,6 +46,8 @@ struct FormFactorOptions {
   int rays = 0;
   /// Pixels along the edge of the top face (`hemicube`); 0 lets the method choose.
   int resolution = 0;
+  /// Leaves out the pairs within one surface (`auto`, `adaptive`): for the factor from one mesh to another.
+  bool between_surfaces_only = false;
 };
 
 /// A way to compute the form factors of a mesh: it visits the unordered pairs of patches in sparse blocks.

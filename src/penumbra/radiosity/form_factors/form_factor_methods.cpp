@@ -24,6 +24,13 @@ std::unique_ptr<FormFactorMethod> make_hemicube_of(const PatchMesh& mesh, const 
   return make_hemicube(mesh, hemicube);
 }
 
+std::unique_ptr<FormFactorMethod> make_adaptive_of(const PatchMesh& mesh, const FormFactorOptions& options) {
+  AdaptiveOptions adaptive;
+  adaptive.tolerance = options.tolerance;
+  adaptive.between_surfaces_only = options.between_surfaces_only;
+  return make_adaptive(mesh, adaptive);
+}
+
 std::unique_ptr<FormFactorMethod> make_ray_cast_of(const PatchMesh& mesh, const FormFactorOptions& options) {
   RayCastOptions rays;
   rays.rays = options.rays;
@@ -42,7 +49,7 @@ std::unique_ptr<FormFactorMethod> make_form_factor_method(std::string_view name,
   if (name == "nusselt") return make_nusselt(mesh);
   if (name == "hemicube") return make_hemicube_of(mesh, options);
   if (name == "analytic") return make_analytic(mesh);
-  if (name == "adaptive") return make_adaptive(mesh, {.tolerance = options.tolerance});
+  if (name == "adaptive") return make_adaptive_of(mesh, options);
   if (name == "ray-cast") return make_ray_cast_of(mesh, options);
   if (name == "auto") return std::make_unique<AutoFormFactors>(mesh, options);
 
