@@ -27,9 +27,7 @@ struct Frame {
   [[nodiscard]] Vec3d to_local(const Vec3d& v) const {
     return {glm::dot(v, tangent), glm::dot(v, bitangent), glm::dot(v, normal)};
   }
-  [[nodiscard]] Vec3d to_world(const Vec3d& v) const {
-    return v.x * tangent + v.y * bitangent + v.z * normal;
-  }
+  [[nodiscard]] Vec3d to_world(const Vec3d& v) const { return v.x * tangent + v.y * bitangent + v.z * normal; }
 };
 
 }  // namespace penumbra
