@@ -76,6 +76,12 @@ class ModelGatherer {
     const auto first_polygon = static_cast<std::uint32_t>(model_.polygons.size());
     model_.vertices.insert(model_.vertices.end(), loaded.model.vertices.begin(), loaded.model.vertices.end());
     for (ModelPolygon& polygon : loaded.model.polygons) {
+      if (polygon.role == PolygonRole::covers) {
+        throw FileError(
+            source, polygon.place,
+            "masking surfaces (M) are not supported; write N to leave the covered part out, or leave the line "
+            "away");
+      }
       for (std::uint32_t& c : polygon.corners) c += first_vertex;
       if (polygon.base) *polygon.base += first_polygon;
       if (polygon.combines_with) *polygon.combines_with += first_polygon;
@@ -145,6 +151,7 @@ class ModelGatherer {
 
 PatchMesh checked(MadePatchMesh made, std::vector<std::string>& warnings) {
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  if (made.mesh.surface_count() == 0) throw std::invalid_argument("There is no surface that radiates.");
   return std::move(made.mesh);
 }
 
