@@ -15,6 +15,7 @@ namespace penumbra {
 [[nodiscard]] Scene make_furnace(const BuiltinParameters& parameters);
 [[nodiscard]] Scene make_box345(const BuiltinParameters& parameters);
 [[nodiscard]] Scene make_atrium(const BuiltinParameters& parameters);
+[[nodiscard]] Scene make_city(const BuiltinParameters& parameters);
 
 // What they share.
 

@@ -43,6 +43,10 @@ const std::vector<Entry>& entries() {
        "a closed colonnade hall of two storeys under a skylight, of the size that you name",
        {{.key = "triangles", .fallback = 10000, .lower = 100, .upper = 10000000, .whole = true}},
        make_atrium},
+      {"city",
+       "street canyons: flat-roofed buildings of differing heights under an open sky, about as many facets as you name",
+       {{.key = "facets", .fallback = 2000, .lower = 100, .upper = 1000000, .whole = true}},
+       make_city},
   };
   return list;
 }

@@ -77,13 +77,14 @@ struct AutoFormFactors::Impl::Worker {
   [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j, double allowed);
   void finish_partial_pairs();
   void drop(std::size_t slot_i, std::size_t slot_j, double exchange);
-  void set_obstructed(std::uint32_t i, std::uint32_t j, std::span<const std::uint32_t> pair_blockers);
+  void set_obstructed(std::uint32_t i, std::uint32_t j, std::span<const std::uint32_t> pair_blockers, double exchange);
   void emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e);
 
   /// A partly hidden pair, put off until the block's others are known.
   struct PartialPair {
     std::uint32_t slot_i, slot_j;
     std::uint32_t first_blocker, blocker_count;  // into partial_blockers
+    double open;                                 // exchange without the blockers, m^2
     double share;                                // of the partial tolerance, by area and value, m^2
   };
   /// Per patch of the block, as row or as column.
@@ -122,16 +123,16 @@ void AutoFormFactors::Impl::Worker::drop(std::size_t slot_i, std::size_t slot_j,
 }
 
 void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j,
-                                                   std::span<const std::uint32_t> pair_blockers) {
+                                                   std::span<const std::uint32_t> pair_blockers, double exchange) {
   const PatchMesh& m = impl.mesh;
   // Integrate over the smaller: the other one's factor is exact.
   if (m.areas[j] < m.areas[i] * (1 - 1e-9)) std::swap(i, j);
   obstructed.set_pair(m.polygon(i), {m.normals[i], dot(m.normals[i], m.centroids[i])}, m.polygon(j),
-                      {m.normals[j], dot(m.normals[j], m.centroids[j])}, pair_blockers);
+                      {m.normals[j], dot(m.normals[j], m.centroids[j])}, pair_blockers, exchange);
 }
 
 ExchangeEstimate AutoFormFactors::Impl::Worker::near_exchange(std::uint32_t i, std::uint32_t j, double allowed) {
-  set_obstructed(i, j, {});
+  set_obstructed(i, j, {}, 0);
   const ExchangeEstimate e = obstructed.integrate(allowed, 0, 1);
   if (e.error <= allowed) return e;
   return {exchange_area(impl.mesh.polygon(i), impl.mesh.polygon(j), analytic),
@@ -152,7 +153,7 @@ void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t s
   if (!blockers.empty()) {
     partial_pairs.push_back({static_cast<std::uint32_t>(slot_i), static_cast<std::uint32_t>(slot_j),
                              static_cast<std::uint32_t>(partial_blockers.size()),
-                             static_cast<std::uint32_t>(blockers.size()), partial_share});
+                             static_cast<std::uint32_t>(blockers.size()), exchange, partial_share});
     partial_blockers.insert(partial_blockers.end(), blockers.begin(), blockers.end());
     rows[slot_i - first_row].partial += partial_share;
     columns[slot_j - first_column].partial += partial_share;
@@ -169,7 +170,7 @@ void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t s
 void AutoFormFactors::Impl::Worker::finish_partial_pairs() {
   for (const PartialPair& pair : partial_pairs) {
     const std::uint32_t i = impl.clusters.patch[pair.slot_i], j = impl.clusters.patch[pair.slot_j];
-    set_obstructed(i, j, std::span(partial_blockers).subspan(pair.first_blocker, pair.blocker_count));
+    set_obstructed(i, j, std::span(partial_blockers).subspan(pair.first_blocker, pair.blocker_count), pair.open);
     const double surplus =
         std::min(rows[pair.slot_i - first_row].surplus(), columns[pair.slot_j - first_column].surplus());
     const double tolerance = impl.options.tolerance;

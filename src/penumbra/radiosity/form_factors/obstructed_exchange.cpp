@@ -9,6 +9,7 @@ namespace {
 
 constexpr int nodes = 4;
 constexpr double kink_share = 0.2;
+constexpr double overlooked_share = 5e-4;    // of a piece that may hide, or show, between 4 x 4 points
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
 constexpr double loose_tolerance = 0.01;     // relative
 constexpr double first_cut_balance = 0.15;
@@ -65,8 +66,9 @@ double quadrature_error(std::span<const double> values, bool kinks) {
 
 void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
                                   std::span<const Vec3d> source, const Plane3& source_plane,
-                                  std::span<const std::uint32_t> blockers) {
+                                  std::span<const std::uint32_t> blockers, double open) {
   receiver_plane_ = receiver_plane;
+  open_factor_ = open / polygon_area(receiver);
   clip_polygon(receiver, source_plane, 0, receiver_);
   clip_polygon(source, receiver_plane, 0, source_);
   lines_.clear();
@@ -114,7 +116,9 @@ ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> poin
       e.exchange += points[k].weight * factors_[k];
       area += points[k].weight;
     }
-    e.error += std::abs(area) * quadrature_error(std::span(factors_).subspan(first, tensor), kinks);
+    double error = quadrature_error(std::span(factors_).subspan(first, tensor), kinks);
+    if (kinks) error = std::max(error, overlooked_share * open_factor_);
+    e.error += std::abs(area) * error;
   }
   return e;
 }
@@ -214,6 +218,7 @@ void ObstructedExchange::find_shadow_lines() {
 bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> cell) const {
   if (!line.bounded) return true;
   double least = 1e300, most = -1e300;
+  bool ahead = false, astern = false;  // of the point from which the edge is seen end on: there u passes infinity
   for (std::size_t c = 0; c < cell.size(); ++c) {
     const Vec3d& p = cell[c];
     const Vec3d& q = cell[(c + 1) % cell.size()];
@@ -226,8 +231,10 @@ bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> 
     const double u = dot(cross(x - line.from, ray), line.plane.normal) / scale;
     least = std::min(least, u);
     most = std::max(most, u);
+    ahead |= scale > 0;
+    astern |= scale < 0;
   }
-  return least <= 1 && most >= 0;
+  return ahead && astern ? least >= 0 || most <= 1 : least <= 1 && most >= 0;
 }
 
 /// The shadow line that cuts the cell most evenly and matters in it; nullptr when each leaves less than `least` of it

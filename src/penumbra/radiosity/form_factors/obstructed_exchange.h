@@ -33,8 +33,9 @@ class ObstructedExchange {
 
   /// Prepares a pair: each polygon is clipped to the front of the other's plane, the blockers to the front of both.
   /// @param receiver the polygon to integrate over; @param blockers numbers of occluders, others do not matter.
+  /// @param open about the exchange without them, m^2: a scale for what Gauss points may overlook.
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
-                const Plane3& source_plane, std::span<const std::uint32_t> blockers);
+                const Plane3& source_plane, std::span<const std::uint32_t> blockers, double open = 0);
 
   /// Blockers left after clipping; with 0 the pair is unobstructed.
   [[nodiscard]] std::size_t blocker_count() const { return blocker_count_; }
@@ -65,8 +66,8 @@ class ObstructedExchange {
 
   const OccluderPolygons& occluders_;
   VisibleFragments fragments_;
-  Vec3d receiver_normal_{0};
   Plane3 receiver_plane_;
+  double open_factor_ = 0;
   std::vector<Vec3d> receiver_, source_, clipped_, clipped_twice_;
   std::vector<std::vector<Vec3d>> blockers_;
   std::size_t blocker_count_ = 0;

@@ -1,0 +1,269 @@
+#include "penumbra/radiosity/form_factors/auto.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <glm/ext/matrix_transform.hpp>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "penumbra/math/transform.h"
+#include "penumbra/parallel/parallel_for.h"
+#include "penumbra/radiosity/form_factors/factor_matrix.h"
+#include "penumbra/radiosity/form_factors/pair_methods.h"
+#include "penumbra/scene/builtin_scenes.h"
+#include "radiosity/view3d_cases.h"
+
+namespace penumbra {
+namespace {
+
+using test::read_case;
+using test::reference_matrix;
+
+nlohmann::json reference() {
+  std::ifstream in(PENUMBRA_TEST_DATA "/radiosity/view_factors_obstructed.json");
+  return nlohmann::json::parse(in);
+}
+
+double number(const nlohmann::json& value) {
+  return value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
+}
+
+FactorMatrix matrix_of(const PatchMesh& mesh, double tolerance, bool merge = true) {
+  FormFactorOptions options;
+  options.tolerance = tolerance;
+  AutoFormFactors::Settings settings;
+  settings.merge_occluders = merge;
+  return assemble_factor_matrix(AutoFormFactors(mesh, options, settings), mesh);
+}
+
+void add_rectangle(PolygonModel& model, const Vec3d& corner, const Vec3d& u, const Vec3d& v,
+                   PolygonRole role = PolygonRole::radiates) {
+  ModelPolygon polygon;
+  polygon.role = role;
+  for (const Vec3d& p : {corner, corner + u, corner + u + v, corner + v}) {
+    polygon.corners.push_back(static_cast<std::uint32_t>(model.vertices.size()));
+    model.vertices.push_back(p);
+  }
+  model.polygons.push_back(polygon);
+}
+
+/// The six walls of a cube in n x n squares; `inwards` for a room.
+void add_cube(PolygonModel& model, double lower, double upper, int n, bool inwards) {
+  const double step = (upper - lower) / n;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int end = 0; end < 2; ++end) {
+      Vec3d u(0), v(0);
+      u[(axis + 1) % 3] = step;
+      v[(axis + 2) % 3] = step;
+      if ((end == 1) == inwards) std::swap(u, v);
+      for (int j = 0; j < n; ++j) {
+        for (int i = 0; i < n; ++i) {
+          Vec3d corner(lower);
+          corner[axis] = end == 1 ? upper : lower;
+          add_rectangle(model, corner + static_cast<double>(i) * u + static_cast<double>(j) * v, u, v);
+        }
+      }
+    }
+  }
+}
+
+PatchMesh room_with_box(int n) {
+  PolygonModel model;
+  add_cube(model, 0, 1, n, true);
+  add_cube(model, 0.25, 0.75, n, false);
+  return make_patch_mesh(model).mesh;
+}
+
+double row_error(const FactorMatrix& m, const std::vector<std::vector<double>>& truth, std::size_t i) {
+  double sum = 0;
+  for (std::size_t j = 0; j < m.rows(); ++j) sum += std::abs(m.at(i, j) - truth[i][j]);
+  return sum;
+}
+
+TEST(Auto, SemiAnalyticBlockers) {
+  for (const auto& c : reference()["exact_semianalytic"]) {
+    const auto at = [&](const char* key, int k) { return number(c[key][static_cast<std::size_t>(k)]); };
+    const double gap = number(c["gap"]), h = gap * number(c["blocker_fraction_of_gap_from_R1"]);
+    const auto side = [&](const char* key) { return at(key, 1) - at(key, 0); };
+    PolygonModel model;
+    add_rectangle(model, {at("R1x", 0), at("R1y", 0), 0}, {side("R1x"), 0, 0}, {0, side("R1y"), 0});
+    add_rectangle(model, {at("R2x", 0), at("R2y", 0), gap}, {0, side("R2y"), 0}, {side("R2x"), 0, 0});
+    add_rectangle(model, {at("blocker_x", 0), at("blocker_y", 0), h}, {side("blocker_x"), 0, 0},
+                  {0, side("blocker_y"), 0}, PolygonRole::obstructs);
+    const FactorMatrix m = matrix_of(make_patch_mesh(model).mesh, 1e-6);
+    EXPECT_NEAR(m.at(0, 1), number(c["F_obstructed"]), 2e-6) << c["name"];
+  }
+}
+
+TEST(Auto, PublishedRoomsWithinTwoMillionths) {
+  const auto all = reference();
+  const PatchMesh facet = read_case("facet.vs3");
+  const FactorMatrix f = matrix_of(facet, 1e-6);
+  for (const auto& e : all["facet"]) {
+    const auto i = e["i"].get<std::size_t>() - 1, j = e["j"].get<std::size_t>() - 1;
+    EXPECT_NEAR(f.at(i, j), number(e["F"]), 2e-6) << i << " " << j;
+    EXPECT_NEAR(f.at(j, i) * f.areas[j], number(e["F"]) * f.areas[i], 2e-6);
+  }
+  const FactorMatrix l = matrix_of(read_case("l_room.vs3"), 1e-6);
+  const auto& truth = all["l_room"];
+  ASSERT_EQ(l.rows(), 8U);
+  for (std::size_t i = 0; i < 8; ++i)
+    for (std::size_t j = 0; j < 8; ++j) EXPECT_NEAR(l.at(i, j), number(truth[i][j]), 2e-6) << i << " " << j;
+}
+
+TEST(Auto, EveryEntryOfTheBoxWithTwoCubes) {
+  const PatchMesh mesh = read_case("box345_AB1.0.vs3");
+  const auto truth = reference_matrix("box345_AB1.0_F.csv", mesh.surface_count());
+  const FactorMatrix m = matrix_of(mesh, 1e-6);
+  for (std::size_t i = 0; i < m.rows(); ++i)
+    for (std::size_t j = 0; j < m.rows(); ++j) EXPECT_NEAR(m.at(i, j), truth[i][j], 2e-6) << i << " " << j;
+}
+
+TEST(Auto, EmptyBoxIsTheClosedForm) {
+  const PatchMesh mesh = read_case("box345_none.vs3");
+  const FactorMatrix m = matrix_of(mesh, 1e-6);
+  const FactorMatrix exact = assemble_factor_matrix(*make_analytic(mesh), mesh);
+  for (std::size_t i = 0; i < m.rows(); ++i)
+    for (std::size_t j = 0; j < m.rows(); ++j) EXPECT_NEAR(m.at(i, j), exact.at(i, j), 1e-7);
+}
+
+TEST(Auto, ToleranceBoundsEachRowsError) {
+  const PatchMesh mesh = read_case("box345_AB1.0.vs3");
+  const auto truth = reference_matrix("box345_AB1.0_F.csv", mesh.surface_count());
+  for (double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    const FactorMatrix m = matrix_of(mesh, tolerance);
+    for (std::size_t i = 0; i < m.rows(); ++i) {
+      EXPECT_LE(row_error(m, truth, i), tolerance) << i;
+      EXPECT_LE(m.row_errors[i], tolerance) << i;
+    }
+  }
+}
+
+TEST(Auto, ClosedRoomsCloseAndExchangeIsMutual) {
+  for (int n : {3, 4, 6}) {  // 4 puts patch edges on the box's planes, 3 and 6 do not
+    const PatchMesh mesh = room_with_box(n);
+    const FactorMatrix m = matrix_of(mesh, 1e-4);
+    for (std::size_t i = 0; i < m.rows(); ++i) {
+      EXPECT_NEAR(m.row_sum(i), 1, 1e-4) << i;
+      EXPECT_EQ(m.at(i, i), 0);
+      const auto columns = m.row_columns(i);
+      const auto values = m.row_values(i);
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        EXPECT_GE(values[k], 0);
+        const double there = m.areas[i] * values[k], back = m.areas[columns[k]] * m.at(columns[k], i);
+        EXPECT_NEAR(there, back, 1e-14 * there);
+      }
+    }
+  }
+}
+
+TEST(Auto, MovedTurnedAndScaledRoomsAreTheSame) {
+  const PatchMesh mesh = room_with_box(3);
+  const FactorMatrix m = matrix_of(mesh, 1e-5);
+  const Mat4d turn = glm::rotate(glm::translate(Mat4d(1.0), Vec3d(5, -3, 40)), 1.1, normalize(Vec3d(1, 2, 3)));
+  for (double scale : {1e-3, 1.0, 300.0}) {
+    PatchMesh other = mesh;
+    for (auto* points : {&other.vertices, &other.corner_positions, &other.centroids})
+      for (Vec3d& p : *points) p = scale * transform_point(turn, p);
+    for (Vec3d& n : other.normals) n = Mat3d(turn) * n;
+    for (double& a : other.areas) a *= scale * scale;
+    for (PatchSurface& s : other.surfaces) s.area *= scale * scale;
+    const FactorMatrix t = matrix_of(other, 1e-5);
+    for (std::size_t i = 0; i < m.rows(); ++i) {
+      double difference = 0;
+      for (std::size_t j = 0; j < m.rows(); ++j) difference += std::abs(m.at(i, j) - t.at(i, j));
+      EXPECT_LE(difference, 2e-5) << i << " scale " << scale;
+    }
+  }
+}
+
+TEST(Auto, RenumberingRenumbersTheMatrix) {
+  PolygonModel model;
+  add_cube(model, 0, 1, 3, true);
+  add_cube(model, 0.3, 0.6, 2, false);
+  const FactorMatrix m = matrix_of(make_patch_mesh(model).mesh, 1e-5);
+  std::vector<std::size_t> order(model.polygons.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::mt19937 random(7);
+  std::shuffle(order.begin(), order.end(), random);
+  PolygonModel shuffled = model;
+  for (std::size_t k = 0; k < order.size(); ++k) shuffled.polygons[k] = model.polygons[order[k]];
+  const FactorMatrix s = matrix_of(make_patch_mesh(shuffled).mesh, 1e-5);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    double difference = 0;
+    for (std::size_t j = 0; j < order.size(); ++j) difference += std::abs(s.at(i, j) - m.at(order[i], order[j]));
+    EXPECT_LE(difference, 2e-5) << i;
+  }
+}
+
+TEST(Auto, PlatesHideOnBothSidesAndSeeFromBoth) {
+  // A two-sided plate across the middle of a cube: each half is a closed room.
+  PolygonModel model;
+  add_cube(model, 0, 1, 2, true);
+  add_rectangle(model, {0, 0, 0.5}, {1, 0, 0}, {0, 1, 0});
+  add_rectangle(model, {0, 0, 0.5}, {0, 1, 0}, {1, 0, 0});
+  const PatchMesh mesh = make_patch_mesh(model).mesh;
+  const FactorMatrix m = matrix_of(mesh, 1e-6);
+  for (std::size_t i = 0; i < m.rows(); ++i) {
+    EXPECT_NEAR(m.row_sum(i), 1, 2e-6) << i;
+    for (std::size_t j = 0; j < m.rows(); ++j) {
+      const bool across = (mesh.centroids[i].z - 0.5) * (mesh.centroids[j].z - 0.5) < 0;
+      EXPECT_TRUE(!across || m.at(i, j) == 0);
+    }
+  }
+}
+
+TEST(Auto, UnmergedOccludersGiveTheSameFactors) {
+  const PatchMesh mesh = room_with_box(3);
+  const FactorMatrix merged = matrix_of(mesh, 1e-5), loose = matrix_of(mesh, 1e-5, false);
+  for (std::size_t i = 0; i < merged.rows(); ++i) {
+    double difference = 0;
+    for (std::size_t j = 0; j < merged.rows(); ++j) difference += std::abs(merged.at(i, j) - loose.at(i, j));
+    EXPECT_LE(difference, 2e-5) << i;
+  }
+}
+
+TEST(Auto, RefusesAToleranceThatIsNotPositive) {
+  const PatchMesh mesh = read_case("facet.vs3");
+  EXPECT_THROW(matrix_of(mesh, 0), std::invalid_argument);
+  EXPECT_THROW(matrix_of(mesh, -1), std::invalid_argument);
+  EXPECT_THROW(matrix_of(mesh, std::nan("")), std::invalid_argument);
+}
+
+TEST(Auto, CityRowsStayBelowOne) {
+  const MadePatchMesh made = make_patch_mesh(make_builtin_scene("city?facets=1000"));
+  const FactorMatrix m = matrix_of(made.mesh, 1e-3);
+  double most = 0;
+  for (std::size_t i = 0; i < m.rows(); ++i) {
+    EXPECT_LE(m.row_sum(i), 1 + 1e-3);
+    EXPECT_LE(m.row_errors[i], 1e-3);
+    most = std::max(most, m.row_sum(i));
+  }
+  EXPECT_GT(most, 0.3);  // street level sees walls
+}
+
+TEST(Auto, ThreadedRunsGiveTheSameBits) {
+  const PatchMesh mesh = room_with_box(6);
+  FactorMatrix first;
+  for (int threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    FactorMatrix m = matrix_of(mesh, 1e-4);
+    if (threads == 1) {
+      first = std::move(m);
+      continue;
+    }
+    EXPECT_EQ(m.columns, first.columns);
+    EXPECT_EQ(m.values, first.values);
+    EXPECT_EQ(m.row_errors, first.row_errors);
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
