@@ -128,6 +128,19 @@ TEST(Adaptive, BoxWithTwoCubes) {
   EXPECT_LT(worst, 2e-6);
 }
 
+// Walton's way shares no visibility code with the default, and its estimates hold.
+TEST(Adaptive, HalvingByBspOrderInTheBoxSlow) {
+  const PatchMesh mesh = read_case("box345_AB1.0.vs3");
+  const auto truth = reference_matrix("box345_AB1.0_F.csv", mesh.surface_count());
+  const FactorMatrix m = matrix_of(mesh, 1e-3, AdaptiveVisibility::bsp_tree);
+  for (std::size_t i = 0; i < m.rows(); ++i) {
+    double error = 0;
+    for (std::size_t j = 0; j < m.rows(); ++j) error += std::abs(m.at(i, j) - truth[i][j]);
+    EXPECT_LT(error, 1e-3);
+    EXPECT_LT(error, m.row_errors[i] + 1e-6);
+  }
+}
+
 TEST(Adaptive, ErrorsKeepTheToleranceOfTheirRow) {
   const PatchMesh mesh = read_case("facet.vs3");
   const FactorMatrix exact = matrix_of(mesh, 1e-7);

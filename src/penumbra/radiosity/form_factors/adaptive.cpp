@@ -22,7 +22,9 @@
 namespace penumbra {
 namespace {
 
-constexpr double in_plane = 1e-9;  // of the mesh's size: a corner this far in front of a plane lies on it
+constexpr int nodes = 4;                 // of the Gauss rule each way, when halving
+constexpr std::size_t fewest_cells = 8;  // before its estimate is believed
+constexpr double in_plane = 1e-9;        // of the mesh's size: a corner this far in front of a plane lies on it
 
 Bounds bounds_of(std::span<const Vec3d> polygon) {
   Bounds b;
@@ -34,7 +36,8 @@ bool reaches_front(std::span<const Vec3d> polygon, const Plane3& plane, double t
   return std::any_of(polygon.begin(), polygon.end(), [&](const Vec3d& v) { return plane.distance(v) > tolerance; });
 }
 
-// Integrates by halving: a piece's error is what cutting it changes.
+// Integrates by halving. A piece's error is what cutting it changes and what a smaller rule on its halves would: a
+// shadow edge may hide from one of the two. No pair is believed before it was cut into a few pieces.
 class Halving {
  public:
   Halving(BspSight& sight, const std::vector<char>& blocks, std::uint32_t source, const Vec3d& normal)
@@ -50,12 +53,13 @@ class Halving {
     };
     add({receiver.begin(), receiver.end()});
     double error = cells.front().error;
-    while (error > allowed && cells.size() < most_cells) {
+    while ((error > allowed || cells.size() < fewest_cells) && cells.size() < most_cells) {
       std::pop_heap(cells.begin(), cells.end(), better);
       const Cell worst = std::move(cells.back());
       cells.pop_back();
-      add(worst.halves[0]);
-      add(worst.halves[1]);
+      for (const auto& half : worst.halves) {
+        if (half.size() >= 3) add(half);
+      }
       error = 0;
       for (const Cell& cell : cells) error += cell.error;
     }
@@ -76,17 +80,21 @@ class Halving {
 
   Cell measure(std::vector<Vec3d> polygon) {
     Cell cell;
-    const double whole = rule(polygon);
+    const double whole = rule(polygon, nodes);
     halve(polygon, cell.halves);
-    const double first = rule(cell.halves[0]), second = rule(cell.halves[1]);
-    cell.exchange = first + second;
-    cell.error = std::abs(cell.exchange - whole);
+    double coarse = 0;
+    for (const auto& half : cell.halves) {
+      const double fine = rule(half, nodes);
+      cell.exchange += fine;
+      coarse += std::abs(fine - rule(half, nodes - 1));
+    }
+    cell.error = std::max(std::abs(cell.exchange - whole), coarse);
     return cell;
   }
 
-  double rule(std::span<const Vec3d> polygon) {
+  double rule(std::span<const Vec3d> polygon, int n) {
     if (polygon.size() < 3) return 0;
-    polygon_rule(polygon, 4, points_);
+    polygon_rule(polygon, n, points_);
     double sum = 0;
     for (const WeightedPoint& p : points_) sum += p.weight * sight_.factor(p.point, normal_, source_, blocks_);
     return sum;
@@ -175,7 +183,7 @@ class AdaptiveMethod final : public FormFactorMethod {
     const double allowed = allowed_error(i, j);
     if (work.sight) return by_order(receiver, source, allowed, work);
     work.obstructed.set_pair(mesh_.polygon(receiver), planes_[receiver], mesh_.polygon(source), planes_[source],
-                             work.blockers);
+                             work.blockers, exchange_area(a, b, work.scratch));
     if (work.obstructed.blocker_count() == 0) return unobstructed(a, b, work);
     return work.obstructed.integrate(allowed, 0, options_.most_cells);
   }
