@@ -27,7 +27,11 @@ Ray segment(const SurfacePoint& from, const Vec3d& target) {
 }
 
 Ray segment(const SurfacePoint& from, const SurfacePoint& target) {
-  return segment(from, leave(target, from.position - target.position).origin);
+  const Vec3d back = from.position - target.position;
+  SurfacePoint end = target;
+  // The ray comes with its origin's rounding, its direction's, and that of the vertices as seen from its origin.
+  end.error += from.error + Vec3d(8 * 0x1p-24 * length(back));
+  return segment(from, leave(end, back).origin);
 }
 
 }  // namespace penumbra

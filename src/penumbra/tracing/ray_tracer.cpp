@@ -125,6 +125,27 @@ bool has_mask(const Scene& scene, const Mesh& mesh) {
 // A row of the table that turns Embree's geometry numbers into ours.
 struct Entry {
   std::uint32_t object = 0;
+  bool turned = false;  ///< Embree's normals need turning to the world's front
+};
+
+// How a placed mesh's coordinates round when rays are taken into its own space: by the sizes that the numbers have on
+// the way there and back, which may be larger than those in the world.
+struct ObjectSpace {
+  Mat3d absolute{0.0};    // |M|
+  Mat3d there_back{0.0};  // |M| |M^-1|
+  Vec3d shift{0};         // |M| |M^-1| |t| + |t|
+
+  ObjectSpace() = default;
+  explicit ObjectSpace(const Mat4d& to_world) {
+    const auto magnitude = [](const Mat3d& m) { return Mat3d(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])); };
+    const Vec3d t = glm::abs(Vec3d(to_world[3]));
+    absolute = magnitude(Mat3d(to_world));
+    there_back = absolute * magnitude(glm::inverse(Mat3d(to_world)));
+    shift = there_back * t + t;
+  }
+  [[nodiscard]] double size(const Vec3d& local, const Vec3d& world) const {
+    return largest(absolute * glm::abs(local) + there_back * glm::abs(world) + shift);
+  }
 };
 
 // A triangle's attributes, interpolated: weight of vertex 0 is what the barycentric pair leaves.
@@ -147,8 +168,13 @@ struct RayTracer::Impl {
   std::vector<std::unique_ptr<MaskEntry>> masks;
   std::vector<char> mirrored;          // by instance
   std::vector<Mat3d> normal_matrices;  // by instance, sign mended when mirrored
+  std::vector<ObjectSpace> spaces;     // by instance
   Bounds bounds;
   bool native_packets = false;
+  bool any_turned = false;
+  // Embree 3.13.5's coherent traversal of packets never ends in some hierarchies that hold both instances and user
+  // geometry (rtcOccluded16; tests/tracing: RayPackets), so only plain triangles get it.
+  bool only_triangles = true;
   std::string error;
 
   explicit Impl(const Scene& s) : scene(&s) {
@@ -177,10 +203,19 @@ struct RayTracer::Impl {
   void attach_triangles(RTCScene target, const Mesh& mesh, const Mat4d& to_space, std::uint32_t object);
   void attach_instances();
   void attach_shapes();
-  void add_entry(unsigned geometry, std::uint32_t object) {
+  void add_entry(unsigned geometry, std::uint32_t object, bool turned) {
     if (entries.size() <= geometry) entries.resize(geometry + 1);
-    entries[geometry] = {object};
+    entries[geometry] = {object, turned};
+    any_turned = any_turned || turned;
   }
+  [[nodiscard]] RTCIntersectContext packet_context(bool coherent) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags =
+        coherent && only_triangles ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return context;
+  }
+  void turn_normals(RTCHitN* found, HitPacket& hits) const;
   [[nodiscard]] std::uint32_t object_of(unsigned geometry, unsigned instance) const {
     return entries[instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry].object;
   }
@@ -207,7 +242,7 @@ void RayTracer::Impl::attach_triangles(RTCScene target, const Mesh& mesh, const 
   }
   rtcCommitGeometry(geometry);
   const unsigned number = rtcAttachGeometry(target, geometry);
-  if (target == world.get()) add_entry(number, object);
+  if (target == world.get()) add_entry(number, object, mirrored[object] != 0);
   rtcReleaseGeometry(geometry);
 }
 
@@ -221,12 +256,18 @@ void RayTracer::Impl::attach_instances() {
     const Mesh& mesh = scene->meshes[instance.mesh];
     mirrored.push_back(is_mirroring(instance.to_world) ? 1 : 0);
     normal_matrices.push_back(normal_matrix(instance.to_world) * (mirrored.back() ? -1.0 : 1.0));
-    if (mesh.triangles.empty()) continue;
+    if (mesh.triangles.empty()) {
+      spaces.emplace_back();
+      continue;
+    }
     for (const Vec3d& p : mesh.positions) bounds.grow(transform_point(instance.to_world, p));
     if (uses[instance.mesh] == 1) {
+      spaces.emplace_back();
       attach_triangles(world.get(), mesh, instance.to_world, object);
       continue;
     }
+    spaces.emplace_back(instance.to_world);
+    only_triangles = false;
     Hierarchy& own = meshes[instance.mesh];
     if (!own) {
       own = new_hierarchy();
@@ -238,7 +279,7 @@ void RayTracer::Impl::attach_instances() {
     const glm::mat4 m(instance.to_world);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
     rtcCommitGeometry(geometry);
-    add_entry(rtcAttachGeometry(world.get(), geometry), object);
+    add_entry(rtcAttachGeometry(world.get(), geometry), object, true);
     rtcReleaseGeometry(geometry);
   }
 }
@@ -250,6 +291,7 @@ void RayTracer::Impl::attach_shapes() {
   const double horizon = horizon_in_diagonals * std::max(1.0, bounds.diagonal());
   for (std::size_t i = 0; i < scene->shapes.size(); ++i) {
     const Shape& shape = scene->shapes[i].shape;
+    only_triangles = false;
     shapes.push_back(std::make_unique<ShapeEntry>(ShapeEntry{shape, shape_bounds(shape, horizon)}));
     RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, 1);
@@ -258,7 +300,7 @@ void RayTracer::Impl::attach_shapes() {
     rtcSetGeometryIntersectFunction(geometry, shape_intersect_callback);
     rtcSetGeometryOccludedFunction(geometry, shape_occluded_callback);
     rtcCommitGeometry(geometry);
-    add_entry(rtcAttachGeometry(world.get(), geometry), static_cast<std::uint32_t>(scene->instances.size() + i));
+    add_entry(rtcAttachGeometry(world.get(), geometry), static_cast<std::uint32_t>(scene->instances.size() + i), false);
     rtcReleaseGeometry(geometry);
   }
 }
@@ -345,14 +387,27 @@ void put_to_sleep(const RayPacket& rays, RTCRay16& out) {
 
 }  // namespace
 
+// Embree knows normals in the space of the mesh it met, by the order of the corners.
+void RayTracer::Impl::turn_normals(RTCHitN* found, HitPacket& hits) const {
+  for (unsigned i = 0; i < RayPacket::size; ++i) {
+    if (hits.object[i] == HitPacket::no_hit) continue;
+    const unsigned instance = RTCHitN_instID(found, RayPacket::size, i, 0);
+    const bool in_instance = instance != RTC_INVALID_GEOMETRY_ID;
+    if (!entries[in_instance ? instance : RTCHitN_geomID(found, RayPacket::size, i)].turned) continue;
+    const Vec3d n(hits.normal_x[i], hits.normal_y[i], hits.normal_z[i]);
+    const Vec3f front(in_instance ? normal_matrices[hits.object[i]] * n : -n);
+    hits.normal_x[i] = front.x;
+    hits.normal_y[i] = front.y;
+    hits.normal_z[i] = front.z;
+  }
+}
+
 void RayTracer::nearest(const RayPacket& rays, HitPacket& hits) const {
   RTCRayHit16 query;
   copy_rays(rays, query.ray);
   std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
   std::fill(std::begin(query.hit.instID[0]), std::end(query.hit.instID[0]), RTC_INVALID_GEOMETRY_ID);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  RTCIntersectContext context = impl_->packet_context(true);
   if (impl_->native_packets) {
     rtcIntersect16(rays.active, impl_->world.get(), &context, &query);
   } else {
@@ -371,14 +426,13 @@ void RayTracer::nearest(const RayPacket& rays, HitPacket& hits) const {
     const bool hit = rays.active[i] != 0 && query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     hits.object[i] = hit ? impl_->object_of(query.hit.geomID[i], query.hit.instID[0][i]) : HitPacket::no_hit;
   }
+  if (impl_->any_turned) impl_->turn_normals(reinterpret_cast<RTCHitN*>(&query.hit), hits);
 }
 
-void RayTracer::occluded(RayPacket& rays) const {
+void RayTracer::occluded(RayPacket& rays, bool coherent) const {
   RTCRay16 query;
   copy_rays(rays, query);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  RTCIntersectContext context = impl_->packet_context(coherent);
   if (impl_->native_packets) {
     rtcOccluded16(rays.active, impl_->world.get(), &context, &query);
   } else {
@@ -455,7 +509,8 @@ SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
   const Vec3d e2 = v2 - v0;
   const Vec2d b = hit.barycentric;
   p.position = v0 + b.x * e1 + b.y * e2;
-  p.error = rounding_error(std::max({largest(v0), largest(v1), largest(v2)}) + std::max(largest(e1), largest(e2)));
+  p.error = rounding_error(std::max({largest(v0), largest(v1), largest(v2)}) + std::max(largest(e1), largest(e2)) +
+                           impl_->spaces[hit.object].size(mesh.positions[triangle[0]], p.position));
   const bool mirrored = impl_->mirrored[hit.object] != 0;
   const Vec3d ng = (mirrored ? -1.0 : 1.0) * cross(e1, e2);
   const double area2 = length(ng);

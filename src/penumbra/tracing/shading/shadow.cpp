@@ -43,6 +43,7 @@ Rgb Shadow::transmittance(const Ray& ray) const {
   if (binary_) return Rgb(tracer_->occluded(ray) ? 0.0F : 1.0F);
   const Scene& scene = tracer_->scene();
   Rgb passed(1);
+  Vec3d entered = ray.origin;  // where the ray last went into or out of glass
   Ray rest = ray;
   const Vec3d end = ray.at(std::isfinite(ray.t_max) ? ray.t_max : 0);
   for (int crossed = 0; crossed < most_surfaces; ++crossed) {
@@ -51,10 +52,12 @@ Rgb Shadow::transmittance(const Ray& ray) const {
     const SurfacePoint point = tracer_->surface_point(rest, *hit);
     const Material& material = scene.materials[point.material];
     if (!lets_light_pass(material, through_glass_)) return Rgb(0);
-    const bool leaves_inside = dot(point.geometric_normal, ray.direction) > 0;
-    if (through_glass_ && leaves_inside && material.transmission > 0 && !material.thin_walled) {
-      passed *= volume_transmittance(material.attenuation_colour, material.attenuation_distance,
-                                     length(point.position - rest.origin));
+    if (through_glass_ && material.transmission > 0 && !material.thin_walled) {
+      if (dot(point.geometric_normal, ray.direction) > 0) {
+        passed *= volume_transmittance(material.attenuation_colour, material.attenuation_distance,
+                                       length(point.position - entered));
+      }
+      entered = point.position;
     }
     passed *= crossing(surface_material(scene, point), point.geometric_normal, ray.direction, through_glass_);
     if (is_black(passed)) return passed;
