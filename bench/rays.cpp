@@ -110,7 +110,8 @@ RaySet collect_rays(const RayTracer& tracer, const Camera& camera, const Argumen
     if (!hit) return;
     const SurfacePoint point = tracer.surface_point(ray, *hit);
     for (std::size_t l = 0; l < lights.light_count(); ++l) {
-      const auto s = lights.sample_light(l, point, sampler.next_2d());
+      const auto s =
+          lights.has_middle(l) ? lights.sample_middle(l, point) : lights.sample_light(l, point, sampler.next_2d());
       const Vec3d& n = point.geometric_normal;
       if (!s || dot(n, s->direction) * dot(n, -ray.direction) <= 0) continue;
       set.shadow.push_back(embree_ray(s->shadow_ray));

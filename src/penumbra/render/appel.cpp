@@ -32,14 +32,16 @@ class Appel final : public Integrator {
       : tracer_(tracer),
         camera_(camera),
         seed_(options.seed),
-        direct_(tracer, !options.opaque_shadows),
+        direct_(tracer, !options.opaque_shadows, options.samples_per_pixel == 1),
         front_sides_only_(options.front_sides_only) {
     const Scene& scene = tracer.scene();
     for (const Material& m : scene.materials) plain_.push_back(is_plain(m) ? 1 : 0);
     for (const Instance& i : scene.instances) placed_as_is_.push_back(i.to_world == Mat4d(1.0) ? 1 : 0);
-    if (auto lights = packet_lights(scene, direct_.lights()); lights && direct_.is_binary()) {
+    if (auto lights = packet_lights(scene, direct_.lights(), options.samples_per_pixel == 1);
+        lights && direct_.is_binary()) {
       lights_ = std::move(*lights);
-      packets_ = true;
+      packets_ = !camera.orthographic();
+      raster_ = {Vec3f(camera.eye()), Vec3f(camera.corner()), Vec3f(camera.step_x()), Vec3f(camera.step_y())};
     }
   }
 
@@ -71,6 +73,7 @@ class Appel final : public Integrator {
   std::vector<char> plain_;         // by material
   std::vector<char> placed_as_is_;  // by instance: its transform is the identity
   std::vector<PacketLight> lights_;
+  RasterDirections raster_;
   bool packets_ = false;
 };
 
@@ -85,6 +88,7 @@ struct alignas(64) Appel::Packet {
   Lanes geometry;
   std::int32_t lit[lanes] = {};  // -1: plain and matt, to be lit with the packet
   int used = 0;
+  Lanes x, y;  // raster positions
   float weight[lanes] = {};
   Rgb light_radiance[lanes];
   Rgb radiance[lanes];
@@ -161,22 +165,23 @@ void Appel::aim(const PixelBlock& block, int sample, Packet& p) const {
   const int width = block.x1 - block.x0;
   p.used = width * (block.y1 - block.y0);
   for (int lane = 0; lane < lanes; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
     p.rays.active[lane] = lane < p.used ? -1 : 0;
     p.lit[lane] = 0;
     const int x = block.x0 + std::min(lane, p.used - 1) % width;
     const int y = block.y0 + std::min(lane, p.used - 1) / width;
-    PixelSampler& sampler = p.samplers[static_cast<std::size_t>(lane)].emplace(seed_, x, y, sample);
-    const auto [ray, weight] = camera_.ray(x, y, sampler);
-    p.weight[lane] = weight;
-    p.rays.origin_x[lane] = static_cast<float>(ray.origin.x);
-    p.rays.origin_y[lane] = static_cast<float>(ray.origin.y);
-    p.rays.origin_z[lane] = static_cast<float>(ray.origin.z);
-    p.rays.direction_x[lane] = static_cast<float>(ray.direction.x);
-    p.rays.direction_y[lane] = static_cast<float>(ray.direction.y);
-    p.rays.direction_z[lane] = static_cast<float>(ray.direction.z);
-    p.rays.t_min[lane] = 0;
-    p.rays.t_max[lane] = std::numeric_limits<float>::infinity();
+    PixelSampler& sampler = p.samplers[i].emplace(seed_, x, y, sample);
+    p.weight[lane] = 1;
+    Vec2d offset(0);
+    if (!camera_.centred()) {
+      const Filter::Position at = camera_.sub_pixel(sampler);
+      offset = at.offset;
+      p.weight[lane] = at.weight;
+    }
+    p.x[i] = static_cast<float>(x + 0.5 + offset.x);
+    p.y[i] = static_cast<float>(y + 0.5 + offset.y);
   }
+  aim_camera(raster_, p.x, p.y, p.rays);
 }
 
 // Takes a lane into the packet's shading when its surface is plain.
@@ -241,7 +246,7 @@ void Appel::light(Packet& p, RayCounts& rays) const {
     for (const std::int32_t a : p.shadow.active) cast += a != 0 ? 1 : 0;
     if (cast == 0) continue;
     count(rays, RayPurpose::shadow, 0, cast);
-    tracer_.occluded(p.shadow);
+    tracer_.occluded(p.shadow, one.at_middle || one.kind != PacketLight::Kind::area);
     for (int lane = 0; lane < p.used; ++lane) {
       if (p.shadow.active[lane] == 0) continue;
       p.radiance[lane] += p.reflectance[lane] * p.light_radiance[lane] * p.geometry[static_cast<std::size_t>(lane)];
@@ -250,16 +255,22 @@ void Appel::light(Packet& p, RayCounts& rays) const {
 }
 
 void Appel::draw_points(const PacketLight& light, Packet& p) const {
+  if (light.kind != PacketLight::Kind::area || light.at_middle) {
+    const bool lamp = light.kind == PacketLight::Kind::area;
+    for (int lane = 0; lane < lanes; ++lane) {
+      const auto i = static_cast<std::size_t>(lane);
+      p.on_light.position.set(lane, lamp ? light.triangles[0].v0 : light.position);
+      p.on_light.normal.set(lane, lamp ? light.triangles[0].normal : Vec3f(0));
+      p.on_light.inverse_density[i] = lamp ? light.triangles[0].inverse_density : 1;
+      p.on_light.both_sides[i] = lamp && light.triangles[0].both_sides ? 1.0F : 0.0F;
+      p.light_radiance[lane] = lamp ? light.triangles[0].radiance : light.strength;
+      if (!lamp) (void)p.samplers[i]->next_2d();  // as the scalar way draws it
+    }
+    return;
+  }
   for (int lane = 0; lane < lanes; ++lane) {
     const auto i = static_cast<std::size_t>(lane);
-    p.light_radiance[lane] = light.strength;
-    p.on_light.both_sides[i] = 0;
-    p.on_light.inverse_density[i] = 1;
     const Vec2d u = p.samplers[i]->next_2d();
-    if (light.kind != PacketLight::Kind::area) {
-      p.on_light.position.set(lane, light.position);
-      continue;
-    }
     float choice = static_cast<float>(u.x);
     const PacketLight::Triangle& t = light.choose(choice);
     const float root = std::sqrt(choice);  // uniform over a triangle, as sample_triangle

@@ -18,8 +18,13 @@ class CameraRays {
     float weight;
   };
   [[nodiscard]] Sub ray(int x, int y, PixelSampler& sampler) const {
-    const Filter::Position at = centred_ ? Filter::Position{{0, 0}, 1.0F} : filter_.sample(sampler.next_2d());
+    const Filter::Position at = sub_pixel(sampler);
     return {through(x + 0.5 + at.offset.x, y + 0.5 + at.offset.y), at.weight};
+  }
+
+  /// Where a sample lies in its pixel.
+  [[nodiscard]] Filter::Position sub_pixel(PixelSampler& sampler) const {
+    return centred_ ? Filter::Position{{0, 0}, 1.0F} : filter_.sample(sampler.next_2d());
   }
 
   /// The ray through raster coordinates in pixels, from the top left corner.

@@ -32,6 +32,10 @@ DirectLight::Candidate DirectLight::from_light(const Receiver& to, std::size_t l
   if (source.kind == LightSampler::Kind::environment && !lights_.environment().has_picture()) {
     return from_sky(to, sampler);
   }
+  if (at_middles_ && lights_.has_middle(light)) {
+    const auto s = lights_.sample_middle(light, to.point);
+    return s ? unhindered(to, *s) : Candidate{};
+  }
   if (source.triangles.size() >= many_parts) return from_many_parts(to, light, sampler);
   const auto s = lights_.sample_light(light, to.point, sampler.next_2d(), to.facing);
   return s ? unhindered(to, *s) : Candidate{};

@@ -13,7 +13,9 @@ namespace penumbra {
 class DirectLight {
  public:
   /// @param through_glass whether transparent surfaces let shadow rays pass, see Shadow.
-  DirectLight(const RayTracer& tracer, bool through_glass) : lights_(tracer.scene()), shadow_(tracer, through_glass) {}
+  /// @param at_middles whether lights are met at their middle where they have one: sharp shadows without noise.
+  DirectLight(const RayTracer& tracer, bool through_glass, bool at_middles)
+      : lights_(tracer.scene()), shadow_(tracer, through_glass), at_middles_(at_middles) {}
 
   /// Radiance that the surface sends towards `wo`: one shadow ray to each light. Lights with a body are met at a random
   /// point of theirs, so that several samples a pixel make soft shadows; of lights with many parts the point is chosen
@@ -47,6 +49,7 @@ class DirectLight {
 
   LightSampler lights_;
   Shadow shadow_;
+  bool at_middles_;
 };
 
 }  // namespace penumbra

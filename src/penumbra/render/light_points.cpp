@@ -53,6 +53,20 @@ std::optional<PacketLight> area(const Scene& scene, const LightSampler::Source& 
   return out;
 }
 
+PacketLight middle_of(const LightSampler::Middle& middle) {
+  PacketLight out;
+  out.at_middle = true;
+  out.triangles.push_back({.v0 = Vec3f(middle.position),
+                           .e1 = Vec3f(0),
+                           .e2 = Vec3f(0),
+                           .normal = Vec3f(middle.normal),
+                           .inverse_density = static_cast<float>(middle.area),
+                           .radiance = middle.radiance,
+                           .both_sides = middle.both_sides});
+  out.cdf.push_back(1);
+  return out;
+}
+
 }  // namespace
 
 const PacketLight::Triangle& PacketLight::choose(float& u) const {
@@ -62,11 +76,15 @@ const PacketLight::Triangle& PacketLight::choose(float& u) const {
   return triangles[cell];
 }
 
-std::optional<std::vector<PacketLight>> packet_lights(const Scene& scene, const LightSampler& lights) {
+std::optional<std::vector<PacketLight>> packet_lights(const Scene& scene, const LightSampler& lights, bool at_middles) {
   std::vector<PacketLight> all;
   for (std::size_t i = 0; i < lights.light_count(); ++i) {
     const LightSampler::Source& source = lights.light(i);
     std::optional<PacketLight> light;
+    if (at_middles && source.middle) {
+      all.push_back(middle_of(*source.middle));
+      continue;
+    }
     if (source.kind == LightSampler::Kind::punctual) light = punctual(scene.lights[source.index]);
     if (source.kind == LightSampler::Kind::mesh) light = area(scene, source);
     if (!light) return std::nullopt;

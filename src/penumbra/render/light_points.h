@@ -7,13 +7,6 @@
 
 namespace penumbra {
 
-/// A point that light comes from, in single precision, as packets of shadow rays need it.
-struct LightPoint {
-  Vec3f position{0};      ///< m; of a far light the direction towards it
-  Vec3f normal{0};        ///< unit, of the emitting side; unused for lights without a body
-  float inverse_density;  ///< m^2: one over the density with which the point was chosen
-};
-
 /// One light whose points can be drawn without knowing who asks: an emissive mesh of constant radiance, a point light
 /// or a far light.
 struct PacketLight {
@@ -27,6 +20,7 @@ struct PacketLight {
   Kind kind = Kind::area;
   std::vector<Triangle> triangles;
   std::vector<float> cdf;  ///< over `triangles`, ends with 1
+  bool at_middle = false;  ///< its one triangle is a point, the middle of the lamp
   Vec3f position{0};       ///< or direction towards a far light, unit
   Rgb strength{0};         ///< of a point light W/sr, of a far one W/m^2
   float range = 0;         ///< of a point light, m; 0: none
@@ -38,6 +32,7 @@ struct PacketLight {
 
 /// The lights of a scene for packets, in the order of `lights`; none when one of them is of another kind (spots, exact
 /// shapes, textured emission, an environment).
-[[nodiscard]] std::optional<std::vector<PacketLight>> packet_lights(const Scene& scene, const LightSampler& lights);
+[[nodiscard]] std::optional<std::vector<PacketLight>> packet_lights(const Scene& scene, const LightSampler& lights,
+                                                                    bool at_middles);
 
 }  // namespace penumbra

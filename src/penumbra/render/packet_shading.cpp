@@ -24,7 +24,25 @@ constexpr float end_margin = 1 - 4 * 0x1p-24F;
 
 }  // namespace
 
-PENUMBRA_CLONES void shade_points(const RayPacket& rays, const HitTriangles& hits, PointLanes& points) {
+PENUMBRA_CLONES void aim_camera(const RasterDirections& camera, const Lanes& x, const Lanes& y,
+                                RayPacket& __restrict rays) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float dx = camera.corner.x + x[i] * camera.step_x.x + y[i] * camera.step_y.x;
+    const float dy = camera.corner.y + x[i] * camera.step_x.y + y[i] * camera.step_y.y;
+    const float dz = camera.corner.z + x[i] * camera.step_x.z + y[i] * camera.step_y.z;
+    const float inverse = 1 / std::sqrt(dx * dx + dy * dy + dz * dz);
+    rays.direction_x[i] = dx * inverse;
+    rays.direction_y[i] = dy * inverse;
+    rays.direction_z[i] = dz * inverse;
+    rays.origin_x[i] = camera.eye.x;
+    rays.origin_y[i] = camera.eye.y;
+    rays.origin_z[i] = camera.eye.z;
+    rays.t_min[i] = 0;
+    rays.t_max[i] = std::numeric_limits<float>::infinity();
+  }
+}
+
+PENUMBRA_CLONES void shade_points(const RayPacket& rays, const HitTriangles& hits, PointLanes& __restrict points) {
   for (std::size_t i = 0; i < n; ++i) {
     const float v0x = hits.v0.x[i], v0y = hits.v0.y[i], v0z = hits.v0.z[i];
     const float ax = hits.v1.x[i] - v0x, ay = hits.v1.y[i] - v0y, az = hits.v1.z[i] - v0z;
@@ -70,7 +88,7 @@ PENUMBRA_CLONES void shade_points(const RayPacket& rays, const HitTriangles& hit
 }
 
 PENUMBRA_CLONES void aim_at_area(const PointLanes& points, const LightLanes& light, const std::int32_t* lit_lanes,
-                                 RayPacket& shadow, Lanes& geometry) {
+                                 RayPacket& __restrict shadow, Lanes& __restrict geometry) {
   for (std::size_t i = 0; i < n; ++i) {
     const float ox = points.position.x[i] + points.error[i] * points.geometric.x[i];
     const float oy = points.position.y[i] + points.error[i] * points.geometric.y[i];
@@ -108,7 +126,8 @@ PENUMBRA_CLONES void aim_at_area(const PointLanes& points, const LightLanes& lig
 }
 
 PENUMBRA_CLONES void aim_at_point(const PointLanes& points, const LightLanes& light, bool far, bool inverse_square,
-                                  float range, const std::int32_t* lit_lanes, RayPacket& shadow, Lanes& geometry) {
+                                  float range, const std::int32_t* lit_lanes, RayPacket& __restrict shadow,
+                                  Lanes& __restrict geometry) {
   const float is_far = far ? 1.0F : 0.0F;
   const float falls = !far && inverse_square ? 1.0F : 0.0F;
   const float constant = far ? 1.0F : std::numbers::pi_v<float>;

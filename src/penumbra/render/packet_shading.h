@@ -48,6 +48,14 @@ struct alignas(64) LightLanes {
   Lanes inverse_density;  ///< m^2
 };
 
+/// A camera's directions over a raster, single precision: (corner + x step_x + y step_y), not unit.
+struct RasterDirections {
+  Vec3f eye{0}, corner{0}, step_x{0}, step_y{0};
+};
+
+/// Rays of a perspective camera through raster positions `x`, `y` (pixels), from `t` 0 to infinity.
+void aim_camera(const RasterDirections& camera, const Lanes& x, const Lanes& y, RayPacket& rays);
+
 /// Works out points and normals from triangles hit. @param rays where the rays came from.
 void shade_points(const RayPacket& rays, const HitTriangles& hits, PointLanes& points);
 

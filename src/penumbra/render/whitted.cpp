@@ -20,7 +20,7 @@ class Whitted final : public RayIntegrator {
   Whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
       : RayIntegrator(camera, options.seed),
         tracer_(tracer),
-        direct_(tracer, !options.opaque_shadows),
+        direct_(tracer, !options.opaque_shadows, options.samples_per_pixel == 1),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
         min_throughput_(options.min_throughput),
         front_sides_only_(options.front_sides_only) {}

@@ -15,6 +15,9 @@ namespace {
 
 using std::numbers::pi;
 
+// Up to how many triangles a mesh can be one flat lamp with a middle.
+constexpr std::size_t few_triangles = 4;
+
 constexpr std::uint32_t no_light = 0xFFFFFFFFU;
 
 // Rounding of a point on a light: its shadow ray ends before it.
@@ -109,7 +112,7 @@ void LightSampler::add_punctual() {
       ambient_ += std::get<AmbientLight>(kind).radiance;
       continue;
     }
-    if (power > 0) lights_.push_back({Kind::punctual, i, power, {}, {}});
+    if (power > 0) lights_.push_back({Kind::punctual, i, power, {}, {}, {}});
   }
 }
 
@@ -119,7 +122,7 @@ void LightSampler::add_mesh(std::uint32_t object) {
   const bool shines = std::any_of(mesh.materials.begin(), mesh.materials.end(),
                                   [&](std::uint32_t m) { return is_lamp(scene_->materials[m]); });
   if (!shines) return;
-  Source source{Kind::mesh, object, 0, {}, {0.0}};
+  Source source{Kind::mesh, object, 0, {}, {0.0}, {}};
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Material& m = scene_->materials[mesh.material_of(t)];
     if (!is_lamp(m)) continue;
@@ -136,10 +139,38 @@ void LightSampler::add_mesh(std::uint32_t object) {
   for (std::size_t i = 0; i < source.triangles.size(); ++i) {
     probability[source.triangles[i]] = static_cast<float>(source.cdf[i + 1] - source.cdf[i]);
   }
+  source.middle = flat_middle(source);
   light_of_object_[object] = static_cast<std::uint32_t>(lights_.size());
   triangle_probability_.resize(lights_.size() + 1);
   triangle_probability_.back() = std::move(probability);
   lights_.push_back(std::move(source));
+}
+
+std::optional<LightSampler::Middle> LightSampler::flat_middle(const Source& source) const {
+  if (source.triangles.size() > few_triangles) return std::nullopt;
+  const Instance& instance = scene_->instances[source.index];
+  const Mesh& mesh = scene_->meshes[instance.mesh];
+  const Material& material = scene_->materials[mesh.material_of(source.triangles.front())];
+  const double mirror = is_mirroring(instance.to_world) ? -1.0 : 1.0;
+  Middle middle{.radiance = material.emission, .both_sides = material.double_sided};
+  Vec3d normal_sum(0);
+  for (const std::uint32_t t : source.triangles) {
+    const Material& m = scene_->materials[mesh.material_of(t)];
+    if (m.emission != material.emission || m.double_sided != material.double_sided || m.emission_texture ||
+        m.alpha_mode != AlphaMode::opaque) {
+      return std::nullopt;
+    }
+    const WorldTriangle triangle = world_triangle(instance, mesh, t);
+    const double area = length(triangle.area_normal());
+    middle.area += area;
+    middle.position += area * (triangle.v0 + (triangle.e1 + triangle.e2) / 3.0);
+    normal_sum += mirror * triangle.area_normal();
+  }
+  // Bent lamps face several ways and have no middle.
+  if (length(normal_sum) < (1 - 1e-6) * middle.area) return std::nullopt;
+  middle.position /= middle.area;
+  middle.normal = normalize(normal_sum);
+  return middle;
 }
 
 void LightSampler::add_shape(std::uint32_t object) {
@@ -148,13 +179,16 @@ void LightSampler::add_shape(std::uint32_t object) {
   const double power = pi * sides(m) * luminance(m.emission) * shape_area(o.shape);
   if (!is_lamp(m) || !(power > 0)) return;
   light_of_object_[object] = static_cast<std::uint32_t>(lights_.size());
-  lights_.push_back({Kind::shape, object, power, {}, {}});
+  lights_.push_back({Kind::shape, object, power, {}, {}, {}});
+  if (const auto* disk = std::get_if<Disk>(&o.shape); disk != nullptr && !m.emission_texture) {
+    lights_.back().middle = Middle{disk->centre, disk->normal, shape_area(o.shape), m.emission, m.double_sided};
+  }
 }
 
 void LightSampler::add_environment() {
   if (!environment_.lights_surfaces()) return;
   const double power = pi * scene_radius_ * scene_radius_ * pi * luminance(environment_.mean_radiance());
-  if (power > 0) lights_.push_back({Kind::environment, 0, power, {}, {}});
+  if (power > 0) lights_.push_back({Kind::environment, 0, power, {}, {}, {}});
 }
 
 void LightSampler::finish_choice() {
@@ -178,6 +212,30 @@ std::optional<LightSample> LightSampler::sample_light(std::size_t light, const S
       return sample_environment(from, u, facing);
   }
   return std::nullopt;
+}
+
+bool LightSampler::has_middle(std::size_t light) const {
+  const Source& source = lights_[light];
+  if (source.kind == Kind::punctual || source.middle) return true;
+  if (source.kind != Kind::shape) return false;
+  return std::holds_alternative<Sphere>(scene_->shapes[source.index - scene_->instances.size()].shape);
+}
+
+std::optional<LightSample> LightSampler::sample_middle(std::size_t light, const SurfacePoint& from) const {
+  const Source& source = lights_[light];
+  if (source.kind == Kind::punctual) return sample_punctual(source, from);
+  // On the axis of the cone that a sphere fills.
+  if (!source.middle) return has_middle(light) ? sample_shape(source, from, Vec2d(0)) : std::nullopt;
+  const Middle& middle = *source.middle;
+  SurfacePoint point;
+  point.position = middle.position;
+  point.geometric_normal = point.shading_normal = middle.normal;
+  point.error = rounding(middle.position, std::sqrt(middle.area));
+  point.object = source.index;
+  point.material = source.kind == Kind::mesh
+                       ? scene_->meshes[scene_->instances[source.index].mesh].material_of(source.triangles.front())
+                       : scene_->shapes[source.index - scene_->instances.size()].material;
+  return towards(from, point, 1 / middle.area);
 }
 
 std::optional<LightSample> LightSampler::sample(const SurfacePoint& from, double u_light, const Vec2d& u,

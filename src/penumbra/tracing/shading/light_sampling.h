@@ -28,12 +28,21 @@ struct LightSample {
 class LightSampler {
  public:
   enum class Kind { punctual, mesh, shape, environment };
+  /// The middle of a flat lamp, where a single shadow ray meets it.
+  struct Middle {
+    Vec3d position{0};
+    Vec3d normal{0, -1, 0};  ///< unit, of the emitting side
+    double area = 0;         ///< m^2, of the whole lamp
+    Rgb radiance{0};         ///< mean, W/(m^2 sr)
+    bool both_sides = false;
+  };
   struct Source {
     Kind kind;
     std::uint32_t index;                   ///< light, or object
     double power;                          ///< W, for the choice among lights
     std::vector<std::uint32_t> triangles;  ///< of a mesh: those that emit
     std::vector<double> cdf;               ///< over `triangles`, from 0 to 1
+    std::optional<Middle> middle;          ///< of a flat mesh of few triangles and even radiance, or a disk
   };
 
   /// The scene must outlive the sampler.
@@ -47,6 +56,12 @@ class LightSampler {
   /// with it. Zero: from all sides alike.
   [[nodiscard]] std::optional<LightSample> sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u,
                                                         const Vec3d& facing = Vec3d(0)) const;
+
+  /// The direction towards the middle of a light: sharp shadows without noise, as when lights were points. None when it
+  /// cannot light the point, or has no middle (`has_middle`).
+  [[nodiscard]] std::optional<LightSample> sample_middle(std::size_t light, const SurfacePoint& from) const;
+  /// Whether `sample_middle` can stand for a light: punctual ones, disks, spheres and flat meshes of few triangles.
+  [[nodiscard]] bool has_middle(std::size_t light) const;
 
   /// A direction towards a light chosen in proportion to its power; the pdf and the weight include the choice.
   [[nodiscard]] std::optional<LightSample> sample(const SurfacePoint& from, double u_light, const Vec2d& u,
@@ -67,6 +82,7 @@ class LightSampler {
   void add_mesh(std::uint32_t object);
   void add_shape(std::uint32_t object);
   void add_environment();
+  [[nodiscard]] std::optional<Middle> flat_middle(const Source& source) const;
   void finish_choice();
 
   [[nodiscard]] std::optional<LightSample> sample_punctual(const Source& source, const SurfacePoint& from) const;
