@@ -43,7 +43,7 @@ Arguments parse(int count, char** words) {
     if (word == "--json" && i + 1 < count) a.json = words[++i];
     if (word == "--triangles" && i + 1 < count) a.triangles = std::stoi(words[++i]);
     if (word == "--size" && i + 1 < count) std::sscanf(words[++i], "%dx%d", &a.width, &a.height);
-    if (word == "--quick") a.width = 960, a.height = 540, a.runs = 3;
+    if (word == "--quick") a.runs = 3;
   }
   return a;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "penumbra/parallel/parallel_for.h"
+
 namespace penumbra {
 namespace {
 
@@ -40,10 +42,14 @@ Film::Film(int width, int height, std::vector<Aov> aovs)
     : width_(width),
       height_(height),
       aovs_(std::move(aovs)),
-      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+      size_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      pixels_(std::make_unique_for_overwrite<Pixel[]>(size_)) {
+  parallel_for(size_, 1U << 16, [&](std::size_t first, std::size_t last) {
+    std::fill(pixels_.get() + first, pixels_.get() + last, Pixel{});
+  });
   std::sort(aovs_.begin(), aovs_.end());
   aovs_.erase(std::unique(aovs_.begin(), aovs_.end()), aovs_.end());
-  if (!aovs_.empty()) layers_.resize(pixels_.size());
+  if (!aovs_.empty()) layers_.resize(size_);
 }
 
 void Film::add_layers(int x, int y, const PixelEstimate& e, const Vec3d& weighted) {
@@ -62,8 +68,8 @@ void Film::add_layers(int x, int y, const PixelEstimate& e, const Vec3d& weighte
 
 double Film::mean_samples() const {
   double sum = 0;
-  for (const Pixel& p : pixels_) sum += p.samples;
-  return sum / static_cast<double>(pixels_.size());
+  for (std::size_t i = 0; i < size_; ++i) sum += pixels_[i].samples;
+  return sum / static_cast<double>(size_);
 }
 
 Image Film::develop() const {
@@ -73,15 +79,15 @@ Image Film::develop() const {
     for (const char* part : layer.parts) channels.push_back(std::string(layer.name) + "." + part);
   }
   Image image(width_, height_, channels);
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+  const auto develop_pixel = [&](std::size_t i) {
     const Pixel& p = pixels_[i];
-    if (p.samples == 0) continue;
+    if (p.samples == 0) return;
     const double n = p.samples;
     float* out = image.data.data() + i * channels.size();
     const auto put = [&](const Vec3d& v) {
       for (int c = 0; c < 3; ++c) *out++ = static_cast<float>(v[c]);
     };
-    const Vec3d mean = p.radiance / n;
+    const Vec3d mean = Vec3d(p.radiance[0], p.radiance[1], p.radiance[2]) / n;
     put(mean);
     for (const Aov aov : aovs_) {
       const Layers& l = layers_[i];
@@ -115,7 +121,10 @@ Image Film::develop() const {
           break;
       }
     }
-  }
+  };
+  parallel_for(size_, 1U << 16, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) develop_pixel(i);
+  });
   return image;
 }
 

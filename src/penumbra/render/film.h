@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "penumbra/image/image.h"
@@ -34,7 +35,7 @@ class Film {
   void add(int x, int y, const PixelEstimate& estimate, float weight) {
     Pixel& p = pixels_[index(x, y)];
     const Vec3d c = Vec3d(weight * estimate.radiance);
-    p.radiance += c;
+    for (int band = 0; band < 3; ++band) p.radiance[band] += c[band];
     ++p.samples;
     if (!layers_.empty()) add_layers(x, y, estimate, c);
   }
@@ -46,8 +47,8 @@ class Film {
 
  private:
   struct Pixel {
-    Vec3d radiance{0};
-    int samples = 0;
+    double radiance[3];
+    int samples;
   };
   struct Layers {
     Vec3d squares{0}, direct{0}, albedo{0}, normal{0};
@@ -63,7 +64,8 @@ class Film {
 
   int width_, height_;
   std::vector<Aov> aovs_;
-  std::vector<Pixel> pixels_;
+  std::size_t size_;
+  std::unique_ptr<Pixel[]> pixels_;  // cleared on every thread: large pictures are mostly fresh pages
   std::vector<Layers> layers_;
 };
 
