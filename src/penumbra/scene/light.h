@@ -15,7 +15,7 @@ namespace penumbra {
 /// Shines the same in all directions from one point.
 struct PointLight {
   Vec3d position{0};
-  Rgb intensity{1.0F};  ///< W/sr
+  Rgb intensity{1.0F};                                     ///< W/sr
   double range = std::numeric_limits<double>::infinity();  ///< m; no light beyond (KHR_lights_punctual)
   /// Whitted 1979 and many classical scenes know no distance falloff: then `intensity` / pi is not divided
   /// by the squared distance, and a matt surface facing the light reflects radiance base_colour * intensity.
@@ -25,9 +25,9 @@ struct PointLight {
 /// A point light in a cone, with the falloff of KHR_lights_punctual between the two half-angles.
 struct SpotLight {
   Vec3d position{0};
-  Vec3d direction{0, 0, -1};  ///< unit, the way light goes
-  Rgb intensity{1.0F};        ///< W/sr on the axis
-  double inner_angle = 0;     ///< rad, half-angle
+  Vec3d direction{0, 0, -1};                ///< unit, the way light goes
+  Rgb intensity{1.0F};                      ///< W/sr on the axis
+  double inner_angle = 0;                   ///< rad, half-angle
   double outer_angle = 0.7853981633974483;  ///< rad, half-angle, > inner_angle
   double range = std::numeric_limits<double>::infinity();
 };
@@ -53,7 +53,8 @@ struct Light {
 struct Environment {
   Rgb radiance{1.0F};                  ///< W/(m^2 sr)
   std::optional<std::uint32_t> image;  ///< index into Scene::images; +Y up, centre of the picture towards -Z
-  bool backdrop_only = false;          ///< seen by rays that leave the scene, but no light for its surfaces (`appel`, `whitted`)
+  bool backdrop_only =
+      false;  ///< seen by rays that leave the scene, but no light for its surfaces (`appel`, `whitted`)
 };
 
 }  // namespace penumbra

@@ -39,17 +39,17 @@ struct Material {
   Rgb specular_colour{1.0F};  ///< scales the dielectric F0; F0 is clamped to 1
   float ior = 1.5F;           ///< of the dielectric interface, >= 1 (0 means Fresnel 1, as glTF allows)
 
-  float transmission = 0;                                                ///< 0..1
-  bool thin_walled = false;                                              ///< no refraction, no absorption: glTF without KHR_materials_volume
-  Rgb attenuation_colour{1.0F};                                          ///< what remains of white light after attenuation_distance
+  float transmission = 0;        ///< 0..1
+  bool thin_walled = false;      ///< no refraction, no absorption: glTF without KHR_materials_volume
+  Rgb attenuation_colour{1.0F};  ///< what remains of white light after attenuation_distance
   float attenuation_distance = std::numeric_limits<float>::infinity();  ///< m
 
   Rgb mirror{0.0F};                       ///< ideal specular reflectance, the same at every angle (Whitted's k_s)
   std::optional<ConductorIor> conductor;  ///< exact Fresnel of a metal in place of Schlick's for the metallic part
 
-  Rgb emission{0.0F};           ///< emitted radiance, W/(m^2 sr)
-  bool double_sided = false;    ///< emits from both sides (it reflects on both in any case)
-  bool unlit = false;           ///< KHR_materials_unlit: the base colour is shown as radiance, light does not matter
+  Rgb emission{0.0F};         ///< emitted radiance, W/(m^2 sr)
+  bool double_sided = false;  ///< emits from both sides (it reflects on both in any case)
+  bool unlit = false;         ///< KHR_materials_unlit: the base colour is shown as radiance, light does not matter
 
   float normal_scale = 1;
   std::optional<TextureRef> base_colour_texture;         ///< sRGB, alpha in A

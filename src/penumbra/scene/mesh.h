@@ -26,20 +26,23 @@ struct Mesh {
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> materials{0};  ///< into Scene::materials; one for all triangles, or one each
 
-  std::vector<Vec3f> normals;     ///< unit, per vertex
-  std::vector<Vec4f> tangents;    ///< xyz unit, w = +-1 handedness (glTF), per vertex
-  std::vector<Vec2f> uv[2];       ///< per vertex, v downwards as in glTF
-  std::vector<Vec4f> colours;     ///< linear, multiplies base colour, per vertex
+  std::vector<Vec3f> normals;   ///< unit, per vertex
+  std::vector<Vec4f> tangents;  ///< xyz unit, w = +-1 handedness (glTF), per vertex
+  std::vector<Vec2f> uv[2];     ///< per vertex, v downwards as in glTF
+  std::vector<Vec4f> colours;   ///< linear, multiplies base colour, per vertex
 
   std::vector<std::uint32_t> face_offsets;
   std::vector<std::uint32_t> face_vertices;
   std::vector<std::uint32_t> face_of_triangle;
-  std::vector<std::uint32_t> face_lines;  ///< line of the file on which each face stands, from 1; empty in binary formats
+  std::vector<std::uint32_t>
+      face_lines;  ///< line of the file on which each face stands, from 1; empty in binary formats
 
   [[nodiscard]] std::uint32_t material_of(std::size_t triangle) const {
     return materials.size() == 1 ? materials[0] : materials[triangle];
   }
-  [[nodiscard]] std::size_t face_count() const { return face_offsets.empty() ? triangles.size() : face_offsets.size() - 1; }
+  [[nodiscard]] std::size_t face_count() const {
+    return face_offsets.empty() ? triangles.size() : face_offsets.size() - 1;
+  }
   /// The corners of a face, as indices into `positions`.
   [[nodiscard]] std::span<const std::uint32_t> face(std::size_t f) const {
     if (face_offsets.empty()) return triangles[f];
