@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -77,11 +78,21 @@ Image render_box(int samples) {
   return render(tracer, scene.cameras.at(0), options).image;
 }
 
-// The reference's own noise is 0.5 %; ours at 512 samples about 0.9 %.
+// The reference's own noise is 0.5 %; ours at 512 samples about 0.9 %, at 64 samples 2.7 %. Under the address
+// sanitizer, ten times slower, the few samples and the wider bound serve to walk the code.
+#ifdef __SANITIZE_ADDRESS__
+constexpr int many_samples = 64;
+constexpr double bound = 0.04;
+#else
+constexpr int many_samples = 512;
+constexpr double bound = 0.015;
+#endif
+
 TEST(CornellReferenceSlow, PathTracingMeetsItWithinOneAndAHalfPercent) {
-  const double error = block_error(render_box(512), read_reference());
+  const double error = block_error(render_box(many_samples), read_reference());
   RecordProperty("block_error", std::to_string(error));
-  EXPECT_LE(error, 0.015);
+  std::printf("block error %.4f at %d samples\n", error, many_samples);
+  EXPECT_LE(error, bound);
 }
 
 // A quick look that would see a wrong albedo, factor or side: noise at 16 samples is about 5 %.
