@@ -122,6 +122,7 @@ TEST(ShapePoint, NormalsPointOutAndTangentsFollowU) {
       ASSERT_NEAR(length(p.tangent), 1, 1e-12);
       ASSERT_NEAR(dot(p.tangent, p.normal), 0, 1e-9);
       const ShapePoint q = shape_point(shapes[i], p.position);
+      EXPECT_LT(length(normalize(shape_normal(shapes[i], p.position)) - p.normal), 1e-12);
       ASSERT_LT(length(q.position - p.position), 1e-12) << "it stays where it is";
       constexpr double step = 1e-3;
       float du = shape_point(shapes[i], p.position + step * p.tangent).uv.x - p.uv.x;

@@ -84,7 +84,7 @@ void shape_intersect_callback(const RTCIntersectFunctionNArguments* args) {
     const Ray ray = lane_ray(rays, args->N, i);
     const auto t = intersect_shape(entry->shape, ray);
     if (!t) continue;
-    const Vec3f n(shape_point(entry->shape, ray.at(*t)).normal);
+    const Vec3f n(shape_normal(entry->shape, ray.at(*t)));
     RTCRayN_tfar(rays, args->N, i) = static_cast<float>(*t);
     RTCHitN_Ng_x(hits, args->N, i) = n.x;
     RTCHitN_Ng_y(hits, args->N, i) = n.y;

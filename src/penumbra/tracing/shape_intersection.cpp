@@ -119,6 +119,16 @@ ShapePoint shape_point(const Shape& shape, const Vec3d& near) {
   return std::visit([&](const auto& s) { return point_on(s, near); }, shape);
 }
 
+Vec3d shape_normal(const Shape& shape, const Vec3d& near) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return near - sphere->centre;
+  if (const auto* disk = std::get_if<Disk>(&shape)) return disk->normal;
+  if (const auto* plane = std::get_if<Plane>(&shape)) return plane->normal;
+  const auto& cylinder = std::get<Cylinder>(shape);
+  const Vec3d axis = cylinder.top - cylinder.base;
+  const Vec3d offset = near - cylinder.base;
+  return offset - dot(offset, axis) / dot(axis, axis) * axis;
+}
+
 Bounds shape_bounds(const Shape& shape, double horizon) {
   Bounds b;
   // A disk of radius r and normal n reaches r sqrt(1 - n_k^2) along axis k.

@@ -24,6 +24,9 @@ struct ShapePoint {
 };
 [[nodiscard]] ShapePoint shape_point(const Shape& shape, const Vec3d& near);
 
+/// Its normal alone, towards the front, not unit: all that a packet's hit needs, and much cheaper.
+[[nodiscard]] Vec3d shape_normal(const Shape& shape, const Vec3d& near);
+
 /// World bounds; a plane's are cut at `horizon` metres from its point.
 [[nodiscard]] Bounds shape_bounds(const Shape& shape, double horizon);
 
