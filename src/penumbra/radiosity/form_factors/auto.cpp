@@ -103,6 +103,7 @@ struct AutoFormFactors::Impl::Worker {
   LaneExchange open;
   std::vector<std::uint32_t> listed;          // occluders between two clusters
   std::vector<std::uint32_t> in_doubt;        // per listed occluder: lanes that it may hide in part
+  std::vector<bool> back;                     // per listed occluder: seen from behind, fronts hide the same
   std::vector<std::size_t> table_a, table_b;  // per listed occluder: its corner distances in `tables`
   std::vector<double> tables;
   std::vector<std::uint32_t> blockers;
@@ -244,7 +245,7 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
     const std::uint32_t bit = 1U << l;
     blockers.clear();
     for (std::size_t n = 0; n < listed.size(); ++n)
-      if ((in_doubt[n] & bit) != 0) blockers.push_back(listed[n]);
+      if ((in_doubt[n] & bit) != 0 && !back[n]) blockers.push_back(listed[n]);
     patch_pair(slot, b * PatchClusters::lanes + l, (open.straddling & bit) != 0);
   }
 }
@@ -262,7 +263,9 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
   table_a.clear();
   table_b.clear();
   in_doubt.assign(listed.size(), 0);
+  back.clear();
   for (std::uint32_t k : listed) {
+    back.push_back(impl.index.is_back(first, k));
     const auto planes = impl.index.planes(k);
     const auto append = [&](std::size_t cluster, std::vector<std::size_t>& at) {
       at.push_back(tables.size());

@@ -10,6 +10,7 @@ namespace {
 constexpr int nodes = 4;
 constexpr double kink_share = 0.2;
 constexpr double overlooked_share = 5e-4;    // of a piece that may hide, or show, between 4 x 4 points
+constexpr std::size_t most_meeting = 8;      // occluders whose meetings are looked for
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
 constexpr double loose_tolerance = 0.01;     // relative
 constexpr double first_cut_balance = 0.15;
@@ -72,7 +73,7 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
   clip_polygon(receiver, source_plane, 0, receiver_);
   clip_polygon(source, receiver_plane, 0, source_);
   lines_.clear();
-  lines_found_ = false;
+  lines_found_ = meeting_lines_found_ = false;
   blocker_count_ = 0;
   if (receiver_.size() < 3 || source_.size() < 3) return;
   fragments_.set_source(source_);
@@ -125,8 +126,8 @@ ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> poin
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
-  const ExchangeEstimate e =
-      rule_on(points_, blocker_count_ > 0 && (!lines_found_ || best_line(cell.polygon, negligible_balance) != nullptr));
+  const ExchangeEstimate e = rule_on(
+      points_, blocker_count_ > 0 && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
   cell.exchange = e.exchange;
   cell.error = e.error;
 }
@@ -139,7 +140,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
   if (blocker_count_ > 0 && relative < loose_tolerance && max_cells > 1) {
     find_shadow_lines();
-    if (best_line(receiver_, first_cut_balance) != nullptr && split(cells_[0], cells_[1], cells_[2])) {
+    if (best_line(lines_, receiver_, first_cut_balance) != nullptr && split(cells_[0], cells_[1], cells_[2])) {
       std::swap(cells_[0], cells_[1]);
       std::swap(cells_[1], cells_[2]);
       count = 2;
@@ -213,6 +214,40 @@ void ObstructedExchange::find_shadow_lines() {
   }
 }
 
+/// Lines on which a corner of one occluder covers an edge of another, both before the source: there a gap between them
+/// opens or closes.
+void ObstructedExchange::find_meeting_lines() {
+  meeting_lines_found_ = true;
+  meeting_lines_.clear();
+  const Plane3 target = polygon_plane(source_);
+  const auto before_source = [&](const Vec3d& x, const Vec3d& pole) {
+    const double dx = target.distance(x), dp = target.distance(pole);
+    return dx > dp && convex_contains(source_, x + dx / (dx - dp) * (pole - x));
+  };
+  const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
+    const Vec3d across = cross(from - pole, to - pole);
+    const double size = length(across);
+    if (!(size > 1e-6 * length(from - pole) * length(to - pole)) || !cuts_receiver(across, pole)) return;
+    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
+    if (!matters(line, receiver_)) return;
+    bool seen = false;
+    for (std::size_t c = 0; c < receiver_.size() && !seen; ++c) {
+      const Vec3d& p = receiver_[c];
+      const Vec3d& q = receiver_[c + 1 == receiver_.size() ? 0 : c + 1];
+      const double dp = line.plane.distance(p), dq = line.plane.distance(q);
+      seen = (dp < 0) != (dq < 0) && before_source(p + dp / (dp - dq) * (q - p), pole);
+    }
+    if (seen) meeting_lines_.push_back(line);
+  };
+  for (std::size_t k = 0; k < blocker_count_; ++k)
+    for (std::size_t l = 0; l < blocker_count_; ++l) {
+      if (k == l) continue;
+      const auto& other = blockers_[l];
+      for (const Vec3d& corner : blockers_[k])
+        for (std::size_t b = 0; b < other.size(); ++b) add(corner, other[b], other[b + 1 == other.size() ? 0 : b + 1]);
+    }
+}
+
 /// Whether, somewhere along the line's chord through the cell, the corner covers a point of the edge itself and not
 /// only of its extension.
 bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> cell) const {
@@ -239,9 +274,10 @@ bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> 
 
 /// The shadow line that cuts the cell most evenly and matters in it; nullptr when each leaves less than `least` of it
 /// on one side.
-const ObstructedExchange::ShadowLine* ObstructedExchange::best_line(std::span<const Vec3d> cell, double least) const {
+const ObstructedExchange::ShadowLine* ObstructedExchange::best_line(std::span<const ShadowLine> lines,
+                                                                    std::span<const Vec3d> cell, double least) const {
   const ShadowLine* best = nullptr;
-  for (const ShadowLine& line : lines_) {
+  for (const ShadowLine& line : lines) {
     double front = 0, back = 0;
     for (const Vec3d& v : cell) {
       const double d = line.plane.distance(v);
@@ -259,7 +295,11 @@ const ObstructedExchange::ShadowLine* ObstructedExchange::best_line(std::span<co
 
 bool ObstructedExchange::split(const Cell& cell, Cell& left, Cell& right) {
   if (!lines_found_) find_shadow_lines();
-  const ShadowLine* best = best_line(cell.polygon, least_balance);
+  const ShadowLine* best = best_line(lines_, cell.polygon, least_balance);
+  if (!best && blocker_count_ > 1 && blocker_count_ <= most_meeting) {
+    if (!meeting_lines_found_) find_meeting_lines();
+    best = best_line(meeting_lines_, cell.polygon, least_balance);
+  }
   Plane3 cut;
   if (best) {
     cut = best->plane;

@@ -60,7 +60,9 @@ class ObstructedExchange {
   [[nodiscard]] bool cuts_receiver(const Vec3d& normal, const Vec3d& point) const;
   void evaluate(Cell& cell);
   [[nodiscard]] ExchangeEstimate rule_on(std::span<const WeightedPoint> points, bool kinks);
-  [[nodiscard]] const ShadowLine* best_line(std::span<const Vec3d> cell, double least) const;
+  void find_meeting_lines();
+  [[nodiscard]] const ShadowLine* best_line(std::span<const ShadowLine> lines, std::span<const Vec3d> cell,
+                                            double least) const;
   bool split(const Cell& cell, Cell& left, Cell& right);
   [[nodiscard]] bool matters(const ShadowLine& line, std::span<const Vec3d> cell) const;
 
@@ -71,8 +73,9 @@ class ObstructedExchange {
   std::vector<Vec3d> receiver_, source_, clipped_, clipped_twice_;
   std::vector<std::vector<Vec3d>> blockers_;
   std::size_t blocker_count_ = 0;
-  std::vector<ShadowLine> lines_;
-  bool lines_found_ = false;
+  std::vector<ShadowLine> lines_;          // where an occluder meets the source's outline
+  std::vector<ShadowLine> meeting_lines_;  // where two occluders meet before the source
+  bool lines_found_ = false, meeting_lines_found_ = false;
   std::vector<WeightedPoint> points_;
   std::vector<double> x_, y_, z_, factors_;
   std::vector<Cell> cells_;

@@ -186,4 +186,17 @@ Sight OccluderIndex::between(const PatchClusters::Cluster& a, const PatchCluster
   return found.empty() ? Sight::visible : Sight::partial;
 }
 
+bool OccluderIndex::is_back(const PatchClusters::Cluster& a, std::size_t k) const {
+  const std::uint32_t body = occluders_.body[k];
+  if (body == ConvexBodies::no_body) return false;
+  const double slack = occluders_.slack[k];
+  const auto all = [&](auto holds) { return std::all_of(a.box.begin(), a.box.end(), holds); };
+  if (!all([&](const Vec3d& v) { return occluders_.planes[k].distance(v) <= slack; })) return false;
+  const auto faces = occluders_.bodies.body_planes(body);
+  return std::any_of(faces.begin(), faces.end(), [&](const Plane3& face) {
+    return dot(face.normal, occluders_.planes[k].normal) < 1 - 1e-9 &&
+           all([&](const Vec3d& v) { return face.distance(v) >= -slack; });
+  });
+}
+
 }  // namespace penumbra

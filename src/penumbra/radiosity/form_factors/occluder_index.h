@@ -29,6 +29,10 @@ class OccluderIndex {
   [[nodiscard]] Sight between(const PatchClusters::Cluster& a, const PatchClusters::Cluster& b,
                               std::vector<std::uint32_t>& found) const;
 
+  /// Whether occluder k is the back of a convex solid for all of `a`, which is outside it: it may hide alone what two
+  /// fronts hide together, but the union of all that hides is the same without it.
+  [[nodiscard]] bool is_back(const PatchClusters::Cluster& a, std::size_t k) const;
+
   /// How occluder k stands between two convex polygons; `partial` where undecided.
   [[nodiscard]] Sight sight(std::span<const Vec3d> a, std::span<const Vec3d> b, std::size_t k) const;
 

@@ -16,6 +16,7 @@ using Ring = std::vector<std::uint32_t>;  // into PatchMesh::vertices
 
 constexpr double relative_motion = 1e-8;     // of an occluder's size
 constexpr double coplanar_tolerance = 1e-9;  // of the mesh's size
+constexpr std::size_t most_hull_planes = 16;
 
 std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) { return (std::uint64_t{from} << 32) | to; }
 
@@ -237,16 +238,30 @@ OccluderPolygons make_occluder_polygons(const PatchMesh& mesh, bool merge) {
   }
   OccluderPolygons out;
   std::map<Ring, bool> seen;
+  std::vector<std::uint32_t> first_patch;  // of each occluder's region
+  std::vector<Plane3> hull_planes;
   for (const auto& region : regions) {
+    const std::uint32_t p = region.front();
+    const Plane3 plane{mesh.normals[p], dot(mesh.normals[p], mesh.centroids[p])};
+    if (on_convex_hull(mesh, plane, tolerance)) {
+      const bool known = std::any_of(hull_planes.begin(), hull_planes.end(), [&](const Plane3& q) {
+        return length(q.normal - plane.normal) < 1e-9 && std::abs(q.offset - plane.offset) <= tolerance;
+      });
+      if (!known && hull_planes.size() < most_hull_planes) hull_planes.push_back(plane);
+      continue;
+    }
     for (const Ring& ring : convex_rings(mesh, region)) {
       Ring key = ring;
       std::sort(key.begin(), key.end());
       if (!seen.emplace(key, true).second) continue;  // the other side of a plate
       const std::vector<Vec3d> polygon = positions_of(mesh, ring);
-      if (!(polygon_area(polygon) > 0) || on_convex_hull(mesh, polygon_plane(polygon), tolerance)) continue;
+      if (!(polygon_area(polygon) > 0)) continue;
       append_occluder(out, polygon);
+      first_patch.push_back(p);
     }
   }
+  out.bodies = find_convex_bodies(mesh, hull_planes, tolerance);
+  for (std::uint32_t p : first_patch) out.body.push_back(out.bodies.body_of[p]);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include "penumbra/math/bounds.h"
 #include "penumbra/math/polygon.h"
 #include "penumbra/math/vec.h"
+#include "penumbra/radiosity/form_factors/convex_bodies.h"
 #include "penumbra/radiosity/patch_mesh.h"
 
 namespace penumbra {
@@ -22,7 +23,9 @@ struct OccluderPolygons {
   std::vector<Vec3d> corners;  ///< counter-clockwise around the plane's normal
   std::vector<Plane3> planes;
   std::vector<Bounds> bounds;
-  std::vector<double> slack;  ///< m
+  std::vector<double> slack;        ///< m
+  std::vector<std::uint32_t> body;  ///< the convex solid that it bounds, or ConvexBodies::no_body
+  ConvexBodies bodies;
 
   [[nodiscard]] std::size_t size() const { return planes.size(); }
   [[nodiscard]] std::span<const Vec3d> polygon(std::size_t k) const {
