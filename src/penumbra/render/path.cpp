@@ -44,6 +44,7 @@ class Path final : public RayIntegrator {
   // The state of a path at its current ray.
   struct Walk {
     Ray ray;
+    Vec3d start{0};  // the point that the ray leaves; it starts a rounding error beside it
     Rgb throughput{1};
     int depth = 0;        // bounces so far
     double bsdf_pdf = 0;  // of the last direction; 0 after an ideal bounce and for camera rays: only BSDF sampling can
@@ -72,6 +73,7 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
   PixelEstimate seen;
   Walk walk;
   walk.ray = ray;
+  walk.start = ray.origin;
   count(rays, RayPurpose::primary, 0);
   while (true) {
     const auto hit = tracer_.nearest(walk.ray);
@@ -85,14 +87,14 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
     const SurfacePoint point = tracer_.surface_point(walk.ray, *hit);
     const Vec3d wo = -walk.ray.direction;
     const bool front = dot(point.geometric_normal, wo) > 0;
-    walk.throughput *=
-        walk.interior.transmittance(tracer_.scene(), point, front, length(point.position - walk.ray.origin));
+    walk.throughput *= walk.interior.transmittance(tracer_.scene(), point, front, length(point.position - walk.start));
     const Material& material = tracer_.scene().materials[point.material];
     if (front_sides_only_ && !front && material.transmission == 0) return seen;
 
     const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
     if (surface.alpha < 1 && sampler.next_1d() >= surface.alpha) {
       count(rays, RayPurpose::refraction, walk.depth);
+      walk.start = point.position;
       walk.ray = leave(point, walk.ray.direction);  // seen through; the walk's memory of its last bounce stays
       continue;
     }
@@ -159,7 +161,7 @@ bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, Pixel
     walk.throughput /= static_cast<float>(survival);
   }
   walk.bsdf_pdf = s->pdf;
-  walk.last_position = point.position;
+  walk.start = walk.last_position = point.position;
   walk.last_facing = facing(bsdf, -walk.ray.direction);
   walk.mirrors_only = walk.mirrors_only && s->ideal;
   walk.interior.cross(tracer_.scene(), point, s->direction, s->transmitted);

@@ -28,7 +28,7 @@ class Whitted final : public RayIntegrator {
   [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override {
     PixelEstimate seen;
     count(rays, RayPurpose::primary, 0);
-    Branch root{.weight = Rgb(1), .depth = 0, .interior = {}};
+    Branch root{.weight = Rgb(1), .depth = 0, .start = ray.origin, .interior = {}};
     seen.radiance = trace(ray, root, sampler, rays, &seen);
     return seen;
   }
@@ -38,6 +38,7 @@ class Whitted final : public RayIntegrator {
   struct Branch {
     Rgb weight;
     int depth;
+    Vec3d start;  // the point that it leaves; the ray itself starts a rounding error beside it
     Interior interior;
   };
 
@@ -64,7 +65,8 @@ Rgb Whitted::trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, 
   const Vec3d wo = -ray.direction;
   const bool front = dot(point.geometric_normal, wo) > 0;
   const Material& material = tracer_.scene().materials[point.material];
-  const Rgb passed = branch.interior.transmittance(tracer_.scene(), point, front, length(point.position - ray.origin));
+  const Rgb passed =
+      branch.interior.transmittance(tracer_.scene(), point, front, length(point.position - branch.start));
   if (front_sides_only_ && !front && material.transmission == 0) return Rgb(0);
 
   const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
@@ -98,7 +100,7 @@ Rgb Whitted::follow(const SurfacePoint& point, const Vec3d& direction, const Rgb
                     RayPurpose purpose, PixelSampler& sampler, RayCounts& rays) const {
   const Rgb carried = parent.weight * weight;
   if (parent.depth >= max_depth_ || max_component(carried) < static_cast<float>(min_throughput_)) return Rgb(0);
-  Branch child{.weight = carried, .depth = parent.depth + 1, .interior = parent.interior};
+  Branch child{.weight = carried, .depth = parent.depth + 1, .start = point.position, .interior = parent.interior};
   child.interior.cross(tracer_.scene(), point, direction, purpose == RayPurpose::refraction);
   count(rays, purpose, child.depth);
   return weight * trace(leave(point, direction), child, sampler, rays, nullptr);
