@@ -19,7 +19,7 @@ namespace penumbra {
 namespace {
 
 constexpr int n = RayPacket::size;
-constexpr float float_error = 8 * 0x1p-24F;  // as in ray_tracer.cpp
+constexpr auto rounding = static_cast<float>(float_error);
 constexpr float end_margin = 1 - 4 * 0x1p-24F;
 
 }  // namespace
@@ -81,7 +81,7 @@ PENUMBRA_CLONES void shade_points(const RayPacket& rays, const HitTriangles& hit
     points.normal.y[i] = ny;
     points.normal.z[i] = nz;
     // Clearance along the normal of an error box with equal sides.
-    points.error[i] = float_error * (reach + 2 * edge) * (std::abs(gx) + std::abs(gy) + std::abs(gz));
+    points.error[i] = rounding * (reach + 2 * edge) * (std::abs(gx) + std::abs(gy) + std::abs(gz));
     points.front[i] = towards < 0 ? 1.0F : 0.0F;
     points.facing[i] = -(nx * dx + ny * dy + nz * dz);
   }
@@ -99,7 +99,7 @@ PENUMBRA_CLONES void aim_at_area(const PointLanes& points, const LightLanes& lig
     const float out = lx * (ox - tx) + ly * (oy - ty) + lz * (oz - tz);
     const float reach =
         std::max(std::max(std::abs(tx), std::abs(ty)), std::abs(tz)) + std::sqrt(light.inverse_density[i]);
-    const float lift = (out < 0 ? -2.0F : 2.0F) * float_error * reach;
+    const float lift = (out < 0 ? -2.0F : 2.0F) * rounding * reach;
     tx += lift * lx;
     ty += lift * ly;
     tz += lift * lz;

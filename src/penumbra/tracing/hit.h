@@ -1,11 +1,26 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "penumbra/math/frame.h"
 #include "penumbra/math/ray.h"
 
 namespace penumbra {
+
+/// Rounding of one coordinate through single precision, relative to the numbers' size: vertices and ray origins are
+/// each rounded to float (half an ulp), and the robust intersector works on their float differences. 8 units cover the
+/// sum with a margin of two; rays that start on a surface then find themselves on the right side of it.
+inline constexpr double float_error = 8 * 0x1p-24;
+
+[[nodiscard]] inline double largest_component(const Vec3d& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// The bound for numbers up to `size`, the same on all three coordinates: on a triangle that lies along an axis one
+/// coordinate has no rounding at all, and a ray that starts exactly in its plane would hit it at distance 0.
+[[nodiscard]] inline Vec3d rounding_error(double size) { return Vec3d(float_error * size); }
 
 /// Where a ray meets a surface, as the tracer finds it.
 struct Hit {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "penumbra/tracing/opacity.h"
+#include "penumbra/tracing/placed_mesh.h"
 #include "penumbra/tracing/shape_intersection.h"
 
 namespace penumbra {
@@ -20,17 +21,6 @@ namespace {
 
 // Distance at which infinite planes end for the hierarchy, in diagonals of the rest of the scene.
 constexpr double horizon_in_diagonals = 1e4;
-
-// Rounding of one coordinate through single precision: the vertices and the ray's origin are each rounded to float
-// (half an ulp), and the robust intersector works on their float differences. 8 units cover the sum with a margin of
-// two; rays that start on a surface then find themselves on the right side of it.
-constexpr double float_error = 8 * 0x1p-24;
-
-double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
-// The same bound on all three coordinates: on a triangle that lies along an axis one coordinate has no rounding at all,
-// and a ray that starts exactly in its plane would hit it at distance 0.
-Vec3d rounding_error(double size) { return Vec3d(float_error * size); }
 
 struct DeviceDeleter {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -128,34 +118,6 @@ struct Entry {
   bool turned = false;  ///< Embree's normals need turning to the world's front
 };
 
-// How a placed mesh's coordinates round when rays are taken into its own space: by the sizes that the numbers have on
-// the way there and back, which may be larger than those in the world.
-struct ObjectSpace {
-  Mat3d absolute{0.0};    // |M|
-  Mat3d there_back{0.0};  // |M| |M^-1|
-  Vec3d shift{0};         // |M| |M^-1| |t| + |t|
-
-  ObjectSpace() = default;
-  explicit ObjectSpace(const Mat4d& to_world) {
-    const auto magnitude = [](const Mat3d& m) { return Mat3d(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])); };
-    const Vec3d t = glm::abs(Vec3d(to_world[3]));
-    absolute = magnitude(Mat3d(to_world));
-    there_back = absolute * magnitude(glm::inverse(Mat3d(to_world)));
-    shift = there_back * t + t;
-  }
-  [[nodiscard]] double size(const Vec3d& local, const Vec3d& world) const {
-    return largest(absolute * glm::abs(local) + there_back * glm::abs(world) + shift);
-  }
-};
-
-// A triangle's attributes, interpolated: weight of vertex 0 is what the barycentric pair leaves.
-template <class T>
-T interpolate(const std::vector<T>& values, const Mesh::Triangle& triangle, const Vec2d& b) {
-  const auto w0 = static_cast<float>(1 - b.x - b.y);
-  return w0 * values[triangle[0]] + static_cast<float>(b.x) * values[triangle[1]] +
-         static_cast<float>(b.y) * values[triangle[2]];
-}
-
 }  // namespace
 
 struct RayTracer::Impl {
@@ -166,9 +128,7 @@ struct RayTracer::Impl {
   std::vector<Entry> entries;  // by geometry number of `world`
   std::vector<std::unique_ptr<ShapeEntry>> shapes;
   std::vector<std::unique_ptr<MaskEntry>> masks;
-  std::vector<char> mirrored;          // by instance
-  std::vector<Mat3d> normal_matrices;  // by instance, sign mended when mirrored
-  std::vector<ObjectSpace> spaces;     // by instance
+  std::vector<PlacedMesh> placed;  // by instance
   Bounds bounds;
   bool native_packets = false;
   bool any_turned = false;
@@ -242,7 +202,7 @@ void RayTracer::Impl::attach_triangles(RTCScene target, const Mesh& mesh, const 
   }
   rtcCommitGeometry(geometry);
   const unsigned number = rtcAttachGeometry(target, geometry);
-  if (target == world.get()) add_entry(number, object, mirrored[object] != 0);
+  if (target == world.get()) add_entry(number, object, placed[object].mirrors());
   rtcReleaseGeometry(geometry);
 }
 
@@ -254,19 +214,13 @@ void RayTracer::Impl::attach_instances() {
   for (std::uint32_t object = 0; object < scene->instances.size(); ++object) {
     const Instance& instance = scene->instances[object];
     const Mesh& mesh = scene->meshes[instance.mesh];
-    mirrored.push_back(is_mirroring(instance.to_world) ? 1 : 0);
-    normal_matrices.push_back(normal_matrix(instance.to_world) * (mirrored.back() ? -1.0 : 1.0));
-    if (mesh.triangles.empty()) {
-      spaces.emplace_back();
-      continue;
-    }
+    placed.emplace_back(mesh, instance.to_world, uses[instance.mesh] > 1);
+    if (mesh.triangles.empty()) continue;
     for (const Vec3d& p : mesh.positions) bounds.grow(transform_point(instance.to_world, p));
     if (uses[instance.mesh] == 1) {
-      spaces.emplace_back();
       attach_triangles(world.get(), mesh, instance.to_world, object);
       continue;
     }
-    spaces.emplace_back(instance.to_world);
     only_triangles = false;
     Hierarchy& own = meshes[instance.mesh];
     if (!own) {
@@ -395,7 +349,7 @@ void RayTracer::Impl::turn_normals(RTCHitN* found, HitPacket& hits) const {
     const bool in_instance = instance != RTC_INVALID_GEOMETRY_ID;
     if (!entries[in_instance ? instance : RTCHitN_geomID(found, RayPacket::size, i)].turned) continue;
     const Vec3d n(hits.normal_x[i], hits.normal_y[i], hits.normal_z[i]);
-    const Vec3f front(in_instance ? normal_matrices[hits.object[i]] * n : -n);
+    const Vec3f front(in_instance ? placed[hits.object[i]].front_normal(n) : -n);
     hits.normal_x[i] = front.x;
     hits.normal_y[i] = front.y;
     hits.normal_z[i] = front.z;
@@ -445,46 +399,9 @@ void RayTracer::occluded(RayPacket& rays, bool coherent) const {
   }
 }
 
-namespace {
-
-// Unit vectors along u and -v (normal-map +Y is up in texture space) from the triangle's texture coordinates.
-void tangents_from_uv(const Mesh& mesh, const Mesh::Triangle& triangle, const Vec3d& e1, const Vec3d& e2,
-                      SurfacePoint& p) {
-  const Frame fallback(p.shading_normal);
-  p.tangent = fallback.tangent;
-  p.bitangent = fallback.bitangent;
-  if (mesh.uv[0].empty()) return;
-  const Vec2d d1 = Vec2d(mesh.uv[0][triangle[1]] - mesh.uv[0][triangle[0]]);
-  const Vec2d d2 = Vec2d(mesh.uv[0][triangle[2]] - mesh.uv[0][triangle[0]]);
-  const double determinant = d1.x * d2.y - d2.x * d1.y;
-  if (determinant == 0) return;
-  const Vec3d along_u = (d2.y * e1 - d1.y * e2) / determinant;
-  const Vec3d flat = along_u - dot(along_u, p.shading_normal) * p.shading_normal;
-  if (!(length_squared(flat) > 0)) return;
-  p.tangent = normalize(flat);
-  // v grows downwards, so a right-handed texture (seen from the front) has determinant < 0.
-  const double hand = determinant < 0 ? 1.0 : -1.0;
-  p.bitangent = hand * cross(p.shading_normal, p.tangent);
-}
-
-void tangents_from_mesh(const Mesh& mesh, const Mesh::Triangle& triangle, const Mat4d& to_world, const Vec2d& b,
-                        bool mirrored, SurfacePoint& p) {
-  const Vec4f t = interpolate(mesh.tangents, triangle, b);
-  const Vec3d along = transform_vector(to_world, Vec3d(t));
-  const Vec3d flat = along - dot(along, p.shading_normal) * p.shading_normal;
-  if (!(length_squared(flat) > 0)) return;
-  p.tangent = normalize(flat);
-  const double hand = (mesh.tangents[triangle[0]].w < 0) != mirrored ? -1.0 : 1.0;
-  p.bitangent = hand * cross(p.shading_normal, p.tangent);
-}
-
-}  // namespace
-
 SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
   const Scene& scene = *impl_->scene;
   SurfacePoint p;
-  p.object = hit.object;
-  p.primitive = hit.primitive;
   if (hit.object >= scene.instances.size()) {
     const ShapeObject& object = scene.shapes[hit.object - scene.instances.size()];
     const ShapePoint s = shape_point(object.shape, ray.at(hit.t));
@@ -495,47 +412,12 @@ SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
     p.uv[0] = p.uv[1] = s.uv;
     p.material = object.material;
     const auto* ball = std::get_if<Sphere>(&object.shape);
-    p.error = rounding_error(largest(p.position) + (ball ? ball->radius : 0.0));
-    return p;
-  }
-
-  const Instance& instance = scene.instances[hit.object];
-  const Mesh& mesh = scene.meshes[instance.mesh];
-  const Mesh::Triangle& triangle = mesh.triangles[hit.primitive];
-  const Vec3d v0 = transform_point(instance.to_world, mesh.positions[triangle[0]]);
-  const Vec3d v1 = transform_point(instance.to_world, mesh.positions[triangle[1]]);
-  const Vec3d v2 = transform_point(instance.to_world, mesh.positions[triangle[2]]);
-  const Vec3d e1 = v1 - v0;
-  const Vec3d e2 = v2 - v0;
-  const Vec2d b = hit.barycentric;
-  p.position = v0 + b.x * e1 + b.y * e2;
-  p.error = rounding_error(std::max({largest(v0), largest(v1), largest(v2)}) + std::max(largest(e1), largest(e2)) +
-                           impl_->spaces[hit.object].size(mesh.positions[triangle[0]], p.position));
-  const bool mirrored = impl_->mirrored[hit.object] != 0;
-  const Vec3d ng = (mirrored ? -1.0 : 1.0) * cross(e1, e2);
-  const double area2 = length(ng);
-  p.geometric_normal = area2 > 0 ? ng / area2 : -ray.direction;
-  p.shading_normal = p.geometric_normal;
-  if (!mesh.normals.empty()) {
-    const Vec3d n = impl_->normal_matrices[hit.object] * Vec3d(interpolate(mesh.normals, triangle, b));
-    const double size = length(n);
-    if (size > 0 && std::isfinite(size)) p.shading_normal = n / size;
-    if (dot(p.shading_normal, p.geometric_normal) < 0) p.shading_normal = -p.shading_normal;
-  }
-  if (!mesh.tangents.empty()) {
-    const Frame fallback(p.shading_normal);
-    p.tangent = fallback.tangent;
-    p.bitangent = fallback.bitangent;
-    tangents_from_mesh(mesh, triangle, instance.to_world, b, mirrored, p);
+    p.error = rounding_error(largest_component(p.position) + (ball ? ball->radius : 0.0));
   } else {
-    tangents_from_uv(mesh, triangle, e1, e2, p);
-    if (mirrored) p.bitangent = -p.bitangent;
+    p = impl_->placed[hit.object].point(hit.primitive, hit.barycentric);
   }
-  for (int set = 0; set < 2; ++set) {
-    if (!mesh.uv[set].empty()) p.uv[set] = interpolate(mesh.uv[set], triangle, b);
-  }
-  if (!mesh.colours.empty()) p.colour = interpolate(mesh.colours, triangle, b);
-  p.material = mesh.material_of(hit.primitive);
+  p.object = hit.object;
+  p.primitive = hit.primitive;
   return p;
 }
 

@@ -21,9 +21,7 @@ constexpr std::size_t few_triangles = 4;
 constexpr std::uint32_t no_light = 0xFFFFFFFFU;
 
 // Rounding of a point on a light: its shadow ray ends before it.
-Vec3d rounding(const Vec3d& p, double size) {
-  return Vec3d((8 * 0x1p-24) * (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) + size));
-}
+Vec3d rounding(const Vec3d& p, double size) { return rounding_error(largest_component(p) + size); }
 
 struct WorldTriangle {
   Vec3d v0, e1, e2;
