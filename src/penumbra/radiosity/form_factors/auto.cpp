@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/cluster_lanes.h"
 #include "penumbra/radiosity/form_factors/obstructed_exchange.h"
@@ -20,11 +21,14 @@ namespace {
 constexpr std::size_t block_rows = 8, block_columns = 64;
 
 // How the tolerance is shared out. A pair may err by tolerance * (by_area * A_i A_j / A_total + by_value * exchange):
-// summed over j and divided by A_i each part is at most its share. Partly hidden pairs are few and costly: within a
-// block they also get what all other pairs leave of the partial share.
+// summed over j and divided by A_i each part is at most its share.
 constexpr double dropped_by_area = 0.1;
 constexpr double visible_by_area = 0.15, visible_by_value = 0.15;
 constexpr double partial_by_area = 0.3, partial_by_value = 0.3;
+// Partly hidden pairs are few and costly. A survey of some rows finds which part of a row they make up at most, and
+// they share out what is meant for all; `survey_margin` times that part, since other rows may hold more.
+constexpr std::size_t surveyed_clusters = 48;
+constexpr double survey_margin = 1.5;
 
 }  // namespace
 
@@ -44,11 +48,17 @@ struct AutoFormFactors::Impl {
     for (std::size_t r = 0; r < rows; ++r)
       for (std::size_t column = r * block_rows; column < clusters.size(); column += block_columns)
         blocks.push_back({r * block_rows, column});
+    survey();
   }
 
   struct Block {
     std::size_t row, column;  // first clusters
   };
+  /// What part of a row its partly hidden pairs are, by area and by exchange.
+  struct Survey {
+    double by_area = 0, by_value = 0;
+  };
+  void survey();
   struct Worker;
 
   const PatchMesh& mesh;
@@ -59,6 +69,7 @@ struct AutoFormFactors::Impl {
   PatchClusters clusters;
   double coplanar = 0;  // m, what lies within it of a plane lies on it
   double total_area = 0;
+  double partial_by_area_all = partial_by_area, partial_by_value_all = partial_by_value;
   std::vector<Block> blocks;
 };
 
@@ -67,7 +78,6 @@ struct AutoFormFactors::Impl::Worker {
   explicit Worker(const Impl& i) : impl(i), obstructed(i.occluders) {}
 
   void run(const Block& block);
-  void entitle(std::size_t a, std::size_t b);
   void cluster_pair(std::size_t a, std::size_t b);
   void patch_row(std::size_t a, std::size_t lane, std::size_t b);
   [[nodiscard]] std::uint32_t same_surface(std::size_t slot, std::size_t cluster) const;
@@ -85,17 +95,7 @@ struct AutoFormFactors::Impl::Worker {
     std::uint32_t slot_i, slot_j;
     std::uint32_t first_blocker, blocker_count;  // into partial_blockers
     double open;                                 // exchange without the blockers, m^2
-    double share;                                // of the partial tolerance, by area and value, m^2
   };
-  /// Per patch of the block, as row or as column.
-  struct Budget {
-    double dropped = 0;  // m^2
-    double all = 0;      // share of the partial tolerance that the block's pairs are entitled to, m^2
-    double partial = 0;  // and that its partly hidden pairs are
-    /// By how much partly hidden pairs may exceed their share; not below 1, which is always safe.
-    [[nodiscard]] double surplus() const { return partial > 0 ? std::max(1.0, all / partial) : 1.0; }
-  };
-
   const Impl& impl;
   FactorBlock out;
   ObstructedExchange obstructed;
@@ -110,7 +110,8 @@ struct AutoFormFactors::Impl::Worker {
   std::vector<PartialPair> partial_pairs;
   std::vector<std::uint32_t> partial_blockers;
   std::size_t first_row = 0, first_column = 0;  // slots
-  std::vector<Budget> rows, columns;
+  std::vector<double> dropped_rows, dropped_columns;
+  std::vector<Survey>* surveys = nullptr;  // per lane of the surveyed cluster, while surveying
 };
 
 void AutoFormFactors::Impl::Worker::emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e) {
@@ -119,8 +120,8 @@ void AutoFormFactors::Impl::Worker::emit(std::uint32_t i, std::uint32_t j, const
 }
 
 void AutoFormFactors::Impl::Worker::drop(std::size_t slot_i, std::size_t slot_j, double exchange) {
-  rows[slot_i - first_row].dropped += exchange;
-  columns[slot_j - first_column].dropped += exchange;
+  dropped_rows[slot_i - first_row] += exchange;
+  dropped_columns[slot_j - first_column] += exchange;
 }
 
 void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j,
@@ -150,37 +151,28 @@ void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t s
     drop(slot_i, slot_j, exchange + error);
     return;
   }
-  const double partial_share = partial_by_area * by_area + partial_by_value * tolerance * exchange;
   if (!blockers.empty()) {
     partial_pairs.push_back({static_cast<std::uint32_t>(slot_i), static_cast<std::uint32_t>(slot_j),
                              static_cast<std::uint32_t>(partial_blockers.size()),
-                             static_cast<std::uint32_t>(blockers.size()), exchange, partial_share});
+                             static_cast<std::uint32_t>(blockers.size()), exchange});
     partial_blockers.insert(partial_blockers.end(), blockers.begin(), blockers.end());
-    rows[slot_i - first_row].partial += partial_share;
-    columns[slot_j - first_column].partial += partial_share;
     return;
   }
   const double allowed = visible_by_area * by_area + visible_by_value * tolerance * exchange;
-  const ExchangeEstimate e =
-      !straddling && error <= allowed ? ExchangeEstimate{exchange, error} : near_exchange(i, j, allowed);
-  rows[slot_i - first_row].all += partial_by_value * tolerance * e.exchange;
-  columns[slot_j - first_column].all += partial_by_value * tolerance * e.exchange;
-  emit(i, j, e);
+  emit(i, j, !straddling && error <= allowed ? ExchangeEstimate{exchange, error} : near_exchange(i, j, allowed));
 }
 
 void AutoFormFactors::Impl::Worker::finish_partial_pairs() {
   for (const PartialPair& pair : partial_pairs) {
     const std::uint32_t i = impl.clusters.patch[pair.slot_i], j = impl.clusters.patch[pair.slot_j];
     set_obstructed(i, j, std::span(partial_blockers).subspan(pair.first_blocker, pair.blocker_count), pair.open);
-    const double surplus =
-        std::min(rows[pair.slot_i - first_row].surplus(), columns[pair.slot_j - first_column].surplus());
     const double tolerance = impl.options.tolerance;
     const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
     if (obstructed.blocker_count() == 0) {
       emit(i, j, near_exchange(i, j, visible_by_area * by_area));
     } else {
       emit(i, j,
-           obstructed.integrate(surplus * partial_by_area * by_area, surplus * partial_by_value * tolerance,
+           obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
                                 impl.settings.max_cells));
     }
   }
@@ -193,7 +185,7 @@ void AutoFormFactors::Impl::Worker::find_blockers(std::size_t a, std::size_t lan
     const std::uint32_t k = listed[n];
     const LaneVisibility v =
         lane_visibility(impl.clusters, a, lane, tables.data() + table_a[n], b, tables.data() + table_b[n],
-                        impl.index.planes(k).size(), impl.occluders.slack[k]);
+                        impl.index.planes(k).size(), impl.occluders.slack[k], facing);
     facing &= ~v.hidden;
     in_doubt[n] = facing & ~v.visible;
     for (std::uint32_t rest = in_doubt[n] & v.straddling; rest != 0; rest &= rest - 1) {
@@ -235,18 +227,23 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
   const std::size_t slot = a * PatchClusters::lanes + lane;
   far_exchange(impl.clusters, slot, b, impl.coplanar, open);
   std::uint32_t facing = open.facing;
-  if (a == b) facing &= ~((2U << lane) - 1U);
+  if (a == b) facing &= surveys ? ~(1U << lane) : ~((2U << lane) - 1U);  // each pair once
   if (impl.options.between_surfaces_only) facing &= ~same_surface(slot, b);
   if (facing == 0) return;
   find_blockers(a, lane, b, facing);
-  refine_where_needed(slot, b, facing);
+  if (!surveys) refine_where_needed(slot, b, facing);
   for (std::uint32_t rest = facing; rest != 0; rest &= rest - 1) {
     const auto l = static_cast<std::size_t>(std::countr_zero(rest));
     const std::uint32_t bit = 1U << l;
     blockers.clear();
     for (std::size_t n = 0; n < listed.size(); ++n)
       if ((in_doubt[n] & bit) != 0 && !back[n]) blockers.push_back(listed[n]);
-    patch_pair(slot, b * PatchClusters::lanes + l, (open.straddling & bit) != 0);
+    if (!surveys) {
+      patch_pair(slot, b * PatchClusters::lanes + l, (open.straddling & bit) != 0);
+    } else if (!blockers.empty()) {
+      (*surveys)[lane].by_area += impl.clusters.area[b * PatchClusters::lanes + l] / impl.total_area;
+      (*surveys)[lane].by_value += open.exchange[l] / impl.clusters.area[slot];
+    }
   }
 }
 
@@ -259,7 +256,7 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
   };
   if (behind(first, second) || behind(second, first)) return;
   if (impl.index.between(first, second, listed) == Sight::hidden) return;
-  tables.clear();
+  std::size_t used = 0;
   table_a.clear();
   table_b.clear();
   in_doubt.assign(listed.size(), 0);
@@ -268,9 +265,9 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
     back.push_back(impl.index.is_back(first, k));
     const auto planes = impl.index.planes(k);
     const auto append = [&](std::size_t cluster, std::vector<std::size_t>& at) {
-      at.push_back(tables.size());
-      tables.resize(tables.size() +
-                    planes.size() * impl.clusters.clusters[cluster].corner_count * PatchClusters::lanes);
+      at.push_back(used);
+      used += planes.size() * impl.clusters.clusters[cluster].corner_count * PatchClusters::lanes;
+      if (tables.size() < used) tables.resize(2 * used);
       corner_distances(impl.clusters, cluster, planes, tables.data() + at.back());
     };
     append(a, table_a);
@@ -279,42 +276,46 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
   for (std::size_t lane = 0; lane < first.count; ++lane) patch_row(a, lane, b);
 }
 
-/// Adds the partial share by area of the patches of two clusters to each other's budgets.
-void AutoFormFactors::Impl::Worker::entitle(std::size_t a, std::size_t b) {
-  const double share = partial_by_area * impl.options.tolerance / impl.total_area;
-  const auto area_of = [&](std::size_t cluster) {
-    double sum = 0;
-    for (std::size_t l = 0; l < impl.clusters.clusters[cluster].count; ++l)
-      sum += impl.clusters.area[cluster * PatchClusters::lanes + l];
-    return sum;
-  };
-  const double area_a = area_of(a), area_b = area_of(b);
-  for (std::size_t l = 0; l < PatchClusters::lanes; ++l) {
-    const std::size_t row = a * PatchClusters::lanes + l, column = b * PatchClusters::lanes + l;
-    rows[row - first_row].all += share * impl.clusters.area[row] * area_b;
-    if (a != b) columns[column - first_column].all += share * impl.clusters.area[column] * area_a;
-  }
-}
-
 void AutoFormFactors::Impl::Worker::run(const Block& block) {
   const std::size_t row_end = std::min(block.row + block_rows, impl.clusters.size());
   const std::size_t column_end = std::min(block.column + block_columns, impl.clusters.size());
   first_row = block.row * PatchClusters::lanes;
   first_column = block.column * PatchClusters::lanes;
-  rows.assign((row_end - block.row) * PatchClusters::lanes, {});
-  columns.assign((column_end - block.column) * PatchClusters::lanes, {});
+  dropped_rows.assign((row_end - block.row) * PatchClusters::lanes, 0.0);
+  dropped_columns.assign((column_end - block.column) * PatchClusters::lanes, 0.0);
   for (std::size_t a = block.row; a < row_end; ++a)
-    for (std::size_t b = std::max(a, block.column); b < column_end; ++b) {
-      entitle(a, b);
-      cluster_pair(a, b);
-    }
+    for (std::size_t b = std::max(a, block.column); b < column_end; ++b) cluster_pair(a, b);
   finish_partial_pairs();
-  const auto report = [&](const std::vector<Budget>& budgets, std::size_t first) {
-    for (std::size_t s = 0; s < budgets.size(); ++s)
-      if (budgets[s].dropped > 0) out.dropped.push_back({impl.clusters.patch[first + s], budgets[s].dropped});
+  const auto report = [&](const std::vector<double>& sums, std::size_t first) {
+    for (std::size_t slot = 0; slot < sums.size(); ++slot)
+      if (sums[slot] > 0) out.dropped.push_back({impl.clusters.patch[first + slot], sums[slot]});
   };
-  report(rows, first_row);
-  report(columns, first_column);
+  report(dropped_rows, first_row);
+  report(dropped_columns, first_column);
+}
+
+/// Finds the largest part that partly hidden pairs have in some rows, and raises what one of them may err accordingly.
+void AutoFormFactors::Impl::survey() {
+  const std::size_t count = std::min(clusters.size(), surveyed_clusters);
+  std::vector<Survey> largest(count);
+  parallel_for(count, 1, [&](std::size_t n, std::size_t) {
+    const std::size_t a = n * clusters.size() / count;
+    Worker worker(*this);
+    std::vector<Survey> lanes(PatchClusters::lanes);
+    worker.surveys = &lanes;
+    for (std::size_t b = 0; b < clusters.size(); ++b) worker.cluster_pair(a, b);
+    for (const Survey& lane : lanes) {
+      largest[n].by_area = std::max(largest[n].by_area, lane.by_area);
+      largest[n].by_value = std::max(largest[n].by_value, lane.by_value);
+    }
+  });
+  Survey most{1e-3, 1e-3};
+  for (const Survey& one : largest) {
+    most.by_area = std::max(most.by_area, survey_margin * one.by_area);
+    most.by_value = std::max(most.by_value, survey_margin * one.by_value);
+  }
+  partial_by_area_all = partial_by_area / std::min(1.0, most.by_area);
+  partial_by_value_all = partial_by_value / std::min(1.0, most.by_value);
 }
 
 AutoFormFactors::AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options)

@@ -195,7 +195,7 @@ void corner_distances_lanes(const PatchClusters& c, std::size_t index, std::span
 
 LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, std::size_t lane,
                                      const double* first_table, std::size_t second, const double* second_table,
-                                     std::size_t planes, double slack) {
+                                     std::size_t planes, double slack, std::uint32_t wanted) {
   const D d;
   const std::size_t n = hn::Lanes(d);
   const std::size_t na = c.clusters[first].corner_count, nb = c.clusters[second].corner_count;
@@ -208,6 +208,7 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
   LaneVisibility out;
   const V tiny = set(slack), minus_tiny = set(-slack), zero = hn::Zero(d);
   for (std::size_t l = 0; l < lanes; l += n) {
+    if (((wanted >> l) & ((1U << n) - 1U)) == 0) continue;
     V low_b = set(1e300), high_b = set(-1e300);
     for (std::size_t b = 0; b < nb; ++b) {
       const V h = hn::LoadU(d, second_table + b * lanes + l);
@@ -274,9 +275,9 @@ void corner_distances(const PatchClusters& clusters, std::size_t cluster, std::s
 
 LaneVisibility lane_visibility(const PatchClusters& clusters, std::size_t first, std::size_t lane,
                                const double* first_table, std::size_t second, const double* second_table,
-                               std::size_t planes, double slack) {
+                               std::size_t planes, double slack, std::uint32_t wanted) {
   return HWY_DYNAMIC_DISPATCH(lane_visibility_lanes)(clusters, first, lane, first_table, second, second_table, planes,
-                                                     slack);
+                                                     slack, wanted);
 }
 
 }  // namespace penumbra

@@ -41,9 +41,9 @@ struct LaneVisibility {
 /// How an occluder stands between the patch in lane `lane` of cluster `first` and each patch of cluster `second`. Exact
 /// up to `slack`: the test function is bilinear in the segment's ends, so corners decide.
 /// @param planes of the occluder: its own, then one through each edge, perpendicular to it, inwards. @param
-/// first_table, second_table their corner_distances.
+/// first_table, second_table their corner_distances. @param wanted only these lanes need an answer.
 [[nodiscard]] LaneVisibility lane_visibility(const PatchClusters& clusters, std::size_t first, std::size_t lane,
                                              const double* first_table, std::size_t second, const double* second_table,
-                                             std::size_t planes, double slack);
+                                             std::size_t planes, double slack, std::uint32_t wanted);
 
 }  // namespace penumbra
