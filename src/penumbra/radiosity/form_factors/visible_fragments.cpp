@@ -157,9 +157,9 @@ std::size_t scratch_size(std::size_t source_corners, std::size_t occluder_corner
 }
 
 struct Pyramids {
-  double* source;         ///< corners relative to the point
-  double* source_sides;   ///< inward normals of the planes through point and edge
-  double* corners;        ///< likewise for the occluders
+  double* source;        ///< corners relative to the point
+  double* source_sides;  ///< inward normals of the planes through point and edge
+  double* corners;       ///< likewise for the occluders
   double* corner_sides;
   double* stretch_starts;  ///< [source edge][occluder]
   double* stretch_ends;
@@ -252,7 +252,8 @@ void evaluate_vector(const VisibleFragments::Input& in, const double* px, const 
   for (std::size_t a = 0; a < ns; ++a) {
     covered.count = 0;
     for (std::size_t k = 0; k < active_count; ++k) {
-      const V lo = hn::LoadU(d, w.stretch_starts + n * (k * ns + a)), hi = hn::LoadU(d, w.stretch_ends + n * (k * ns + a));
+      const V lo = hn::LoadU(d, w.stretch_starts + n * (k * ns + a)),
+              hi = hn::LoadU(d, w.stretch_ends + n * (k * ns + a));
       const M some = hn::Gt(hi, lo);
       if (!hn::AllFalse(d, some)) covered.insert(hn::IfThenElse(some, lo, set(2)), hn::IfThenElse(some, hi, set(2)));
     }
