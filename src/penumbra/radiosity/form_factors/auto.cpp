@@ -17,8 +17,8 @@
 namespace penumbra {
 namespace {
 
-// Blocks: so many clusters against so many.
-constexpr std::size_t block_rows = 8, block_columns = 64;
+// Blocks: so many clusters against so many, fewer in small meshes so that every thread has some.
+constexpr std::size_t most_block_rows = 8, block_columns = 64, fewest_bands = 48;
 
 // How the tolerance is shared out. A pair may err by tolerance * (by_area * A_i A_j / A_total + by_value * exchange):
 // summed over j and divided by A_i each part is at most its share.
@@ -44,15 +44,16 @@ struct AutoFormFactors::Impl {
     for (const Vec3d& v : mesh.vertices) all.grow(v);
     coplanar = 1e-9 * all.diagonal();
     for (std::size_t p = 0; p < mesh.radiating_count; ++p) total_area += mesh.areas[p];
+    const std::size_t block_rows = std::clamp(clusters.size() / fewest_bands, std::size_t{1}, most_block_rows);
     const std::size_t rows = (clusters.size() + block_rows - 1) / block_rows;
     for (std::size_t r = 0; r < rows; ++r)
       for (std::size_t column = r * block_rows; column < clusters.size(); column += block_columns)
-        blocks.push_back({r * block_rows, column});
+        blocks.push_back({r * block_rows, std::min((r + 1) * block_rows, clusters.size()), column});
     survey();
   }
 
   struct Block {
-    std::size_t row, column;  // first clusters
+    std::size_t row, row_end, column;  // clusters; the columns go on for block_columns
   };
   /// What part of a row its partly hidden pairs are, by area and by exchange.
   struct Survey {
@@ -277,13 +278,12 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
 }
 
 void AutoFormFactors::Impl::Worker::run(const Block& block) {
-  const std::size_t row_end = std::min(block.row + block_rows, impl.clusters.size());
   const std::size_t column_end = std::min(block.column + block_columns, impl.clusters.size());
   first_row = block.row * PatchClusters::lanes;
   first_column = block.column * PatchClusters::lanes;
-  dropped_rows.assign((row_end - block.row) * PatchClusters::lanes, 0.0);
+  dropped_rows.assign((block.row_end - block.row) * PatchClusters::lanes, 0.0);
   dropped_columns.assign((column_end - block.column) * PatchClusters::lanes, 0.0);
-  for (std::size_t a = block.row; a < row_end; ++a)
+  for (std::size_t a = block.row; a < block.row_end; ++a)
     for (std::size_t b = std::max(a, block.column); b < column_end; ++b) cluster_pair(a, b);
   finish_partial_pairs();
   const auto report = [&](const std::vector<double>& sums, std::size_t first) {
