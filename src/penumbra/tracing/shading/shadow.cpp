@@ -22,9 +22,9 @@ Rgb crossing(const SurfaceMaterial& surface, const Vec3d& normal, const Vec3d& d
   if (through_glass && surface.transmission > 0) {
     const double cosine = std::min(1.0, std::abs(dot(normal, direction)));
     // By the cosine outside also where the ray is inside: it goes straight, so it never meets total reflection.
-    const double through = surface.ior == 0      ? 0.0
-                           : surface.thin_walled ? fresnel_plate(cosine, surface.ior).transmittance
-                                                 : 1 - fresnel_dielectric(cosine, 1, surface.ior).mean();
+    const double reflected = surface.ior == 0 ? 1.0 : fresnel_dielectric(cosine, 1, surface.ior).mean();
+    // A pane is crossed with all its inner reflections, unpolarised, as Bsdf does it.
+    const double through = (1 - reflected) / (surface.thin_walled ? 1 + reflected : 1);
     passed += surface.alpha * surface.transmission * (1 - surface.metallic) * static_cast<float>(through) *
               surface.base_colour;
   }
