@@ -9,7 +9,7 @@ namespace {
 
 constexpr int nodes = 4;
 constexpr double kink_share = 0.2;
-constexpr double overlooked_share = 5e-4;    // of a piece that may hide, or show, between 4 x 4 points
+constexpr double overlooked_share = 3e-3;    // a strip up to the first node (0.069), where the view opens linearly
 constexpr std::size_t most_meeting = 8;      // occluders whose meetings are looked for
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
 constexpr double loose_tolerance = 0.01;     // relative
