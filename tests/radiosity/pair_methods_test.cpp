@@ -68,7 +68,9 @@ TEST(PairMethods, EveryNamedMethodCanBeMade) {
     const FactorMatrix m = assemble_factor_matrix(*method, mesh);
     for (std::size_t i = 0; i < m.rows(); ++i) {
       for (std::size_t j = 0; j < m.rows(); ++j) EXPECT_NEAR(m.areas[i] * m.at(i, j), m.areas[j] * m.at(j, i), 1e-14);
-      if (name == "adaptive" || name == "ray-cast" || name == "auto") EXPECT_NEAR(m.row_sum(i), 1, 0.03) << name;
+      if (name == "adaptive" || name == "ray-cast" || name == "auto") {
+        EXPECT_NEAR(m.row_sum(i), 1, 0.03) << name;
+      }
     }
   }
 }
