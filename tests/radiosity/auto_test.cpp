@@ -88,7 +88,9 @@ double row_error(const FactorMatrix& m, const std::vector<std::vector<double>>& 
 }
 
 TEST(Auto, SemiAnalyticBlockers) {
-  for (const auto& c : reference()["exact_semianalytic"]) {
+  const nlohmann::json exact_semianalytic =
+      reference()["exact_semianalytic"];  // kept: a loop over a temporary would outlive it
+  for (const auto& c : exact_semianalytic) {
     const auto at = [&](const char* key, int k) { return number(c[key][static_cast<std::size_t>(k)]); };
     const double gap = number(c["gap"]), h = gap * number(c["blocker_fraction_of_gap_from_R1"]);
     const auto side = [&](const char* key) { return at(key, 1) - at(key, 0); };

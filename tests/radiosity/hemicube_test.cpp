@@ -56,7 +56,8 @@ PatchMesh read(const char* name) {
 double total(const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0); }
 
 TEST(Hemicube, DeltaFactorsSumAsPublished) {
-  for (const auto& row : reference()["sums"]) {
+  const nlohmann::json sums = reference()["sums"];  // kept: a loop over a temporary would outlive it
+  for (const auto& row : sums) {
     const HemicubeDeltas deltas(row["N"].get<int>());
     EXPECT_NEAR(total(deltas.top), row["top"].get<double>(), 1e-9);
     EXPECT_NEAR(4 * total(deltas.side), row["sides"].get<double>(), 1e-9);
@@ -64,7 +65,8 @@ TEST(Hemicube, DeltaFactorsSumAsPublished) {
 }
 
 TEST(Hemicube, ReproducesTheAliasingOfPixelCentres) {
-  for (const auto& row : reference()["aliasing"]) {
+  const nlohmann::json aliasing = reference()["aliasing"];  // kept: a loop over a temporary would outlive it
+  for (const auto& row : aliasing) {
     const double h = row["height"], side = row["side"], x0 = row["offset_x"];
     PolygonModel model;
     add_rectangle(model, {x0 - side / 2, -side / 2, h}, {0, side, 0}, {side, 0, 0});  // looks down
