@@ -18,9 +18,13 @@ MAY_INCLUDE = {
     "io": ["math", "file", "parallel", "image", "scene"],
     "tracing": ["math", "parallel", "image", "scene"],
     "tracing/shading": ["math", "parallel", "image", "scene", "tracing"],
-    "radiosity": ["math", "parallel", "scene", "tracing"],
+    "radiosity": ["math", "parallel", "scene", "tracing", "tracing/shading"],
     "radiosity/form_factors": ["math", "parallel", "scene", "tracing", "radiosity"],
-    "render": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity"],
+    "radiosity/solvers": ["math", "parallel", "scene", "tracing", "radiosity", "radiosity/form_factors"],
+    "radiosity/meshing": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity",
+                          "radiosity/form_factors", "radiosity/solvers"],
+    "render": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity", "radiosity/meshing",
+               "radiosity/solvers"],
 }
 FOREIGN = {"embree3/": "tracing/ray_tracer", "draco/": "io/", "OpenEXR/": "image/", "webp/": "image/",
            "tbb/": "parallel/", "nlohmann/": "io/", "zlib.h": ("image/", "io/"), "stb_image": "image/"}
