@@ -78,10 +78,14 @@ enum class PatchSides {
 /// What to do with a face without area.
 enum class DegenerateFaces { refuse, drop };
 
+/// What to do with a face that lies exactly on an earlier one of the same orientation.
+enum class DuplicateFaces { refuse, drop };
+
 struct PatchMeshOptions {
   SurfaceGrouping grouping = SurfaceGrouping::face;
   PatchSides sides = PatchSides::front;
   DegenerateFaces degenerate = DegenerateFaces::refuse;
+  DuplicateFaces duplicates = DuplicateFaces::refuse;
   double planarity_tolerance =
       1e-6;  ///< of a polygon's size; beyond it a polygon is triangulated, with one warning for all
   int shape_segments =
@@ -98,7 +102,8 @@ struct MadePatchMesh {
 /// base colour (1 - metallic) (1 - transmission); emission is pi times the material's radiance (a back emits when the
 /// material is double-sided). Textures are not looked at.
 /// Throws std::invalid_argument, naming object and face (counted from 1), for a self-intersecting face, a face without
-/// area, two coincident faces of the same orientation, or a shape that cannot be made of polygons.
+/// area, two coincident faces of the same orientation (unless the options drop them), or a shape that cannot be made of
+/// polygons.
 [[nodiscard]] MadePatchMesh make_patch_mesh(const Scene& scene, const PatchMeshOptions& options = {});
 
 /// The polygons of a thermal model, with one band; a row for each radiating polygon that is not combined with another,

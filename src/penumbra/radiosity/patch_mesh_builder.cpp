@@ -137,11 +137,18 @@ void PatchMeshBuilder::add_face(std::vector<Vec3d> polygon, std::uint32_t face, 
   faces_.push_back(std::move(record));
 }
 
-void PatchMeshBuilder::refuse_duplicates() {
+/// Refuses faces that lie on an earlier one, or takes their pieces away.
+void PatchMeshBuilder::find_duplicates() {
   for (std::uint32_t f = 0; f < faces_.size(); ++f) {
     if (faces_[f].outline.empty()) continue;
     const auto [at, is_new] = face_with_.try_emplace(faces_[f].outline, f);
     if (is_new) continue;
+    if (options_.duplicates == DuplicateFaces::drop) {
+      if (duplicates_++ == 0) first_duplicate_ = faces_[f].face;
+      for (std::size_t k = faces_[f].first_piece; k < faces_[f].end_piece; ++k) pieces_[k].ring.clear();
+      faces_[f].outline.clear();
+      continue;
+    }
     throw std::invalid_argument(
         fmt::format("{} lies exactly on another one with the same orientation, {}: remove one, or reverse it for a "
                     "two-sided plate.",
@@ -198,8 +205,9 @@ void PatchMeshBuilder::average_paints(const std::vector<std::uint32_t>& paint_of
 }
 
 MadePatchMesh PatchMeshBuilder::finish() {
-  refuse_duplicates();
+  find_duplicates();
   if (options_.sides == PatchSides::both) add_backs();
+  std::erase_if(pieces_, [](const Piece& piece) { return piece.ring.empty(); });
   number_surfaces();
   std::vector<std::uint32_t> paint_of_patch;
   for (const Piece& piece : pieces_) {
@@ -213,6 +221,12 @@ MadePatchMesh PatchMeshBuilder::finish() {
     made.warnings.push_back(fmt::format("{} {} not planar and became triangles (the first: {}).", triangulated_,
                                         triangulated_ == 1 ? "polygon is" : "polygons are",
                                         place_of_(first_triangulated_)));
+  }
+  if (duplicates_ > 0) {
+    made.warnings.push_back(
+        fmt::format("{} exactly on another with the same orientation and {} left out (the first: {}).",
+                    duplicates_ == 1 ? "1 face lies" : fmt::format("{} faces lie", duplicates_),
+                    duplicates_ == 1 ? "was" : "were", place_of_(first_duplicate_)));
   }
   if (dropped_ > 0) {
     made.warnings.push_back(fmt::format("{} without area {} left out (the first: {}).",

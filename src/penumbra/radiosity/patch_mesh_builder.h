@@ -36,7 +36,8 @@ class PatchMeshBuilder {
   void add_face(std::vector<Vec3d> polygon, std::uint32_t face, std::uint32_t surface, std::uint32_t paint,
                 std::span<const std::vector<Vec3d>> holes = {});
 
-  /// Throws std::invalid_argument when two faces of the same orientation coincide. Call it once, last.
+  /// Throws std::invalid_argument when two faces of the same orientation coincide and are not to be dropped. Call it
+  /// once, last.
   [[nodiscard]] MadePatchMesh finish();
 
  private:
@@ -61,7 +62,7 @@ class PatchMeshBuilder {
 
   Ring weld(std::span<const Vec3d> polygon);
   std::vector<std::vector<Vec3d>> split(std::span<const Vec3d> polygon, std::span<const std::vector<Vec3d>> holes);
-  void refuse_duplicates();
+  void find_duplicates();
   void add_backs();
   void number_surfaces();
   void average_paints(const std::vector<std::uint32_t>& paint_of_patch);
@@ -76,8 +77,10 @@ class PatchMeshBuilder {
   std::vector<Face> faces_;
   std::size_t triangulated_ = 0;
   std::size_t dropped_ = 0;
+  std::size_t duplicates_ = 0;
   std::uint32_t first_triangulated_ = 0;
   std::uint32_t first_dropped_ = 0;
+  std::uint32_t first_duplicate_ = 0;
   PatchMesh mesh_;
 };
 
