@@ -17,6 +17,7 @@
 #include "penumbra/radiosity/form_factors/occluder_polygons.h"
 #include "penumbra/radiosity/form_factors/patch_clusters.h"
 #include "penumbra/radiosity/form_factors/shaft.h"
+#include "penumbra/radiosity/form_factors/silhouette.h"
 #include "penumbra/radiosity/form_factors/visible_fragments.h"
 
 namespace penumbra {
@@ -152,6 +153,8 @@ TEST(VisibleFragments, UnionOfOverlappingBlockersIsCutExactly) {
   for (int run = 0; run < 200; ++run) {
     const Polygon source{{0, 0, 2}, {0, 1, 2}, {1, 1, 2}, {1, 0, 2}};  // its front looks down
     fragments.set_source(source);
+    Silhouette silhouette;
+    silhouette.clear();
     std::vector<Polygon> blockers;
     const int count = 1 + run % 4;
     for (int k = 0; k < count; ++k) {
@@ -163,7 +166,7 @@ TEST(VisibleFragments, UnionOfOverlappingBlockersIsCutExactly) {
         const double angle = turn + 2 * 3.14159265358979 * c / corners;
         blocker.emplace_back(x + w * std::cos(angle), y + w * std::sin(angle), h);
       }
-      fragments.add_occluder(blocker, polygon_plane(blocker));
+      silhouette.add_polygon(blocker, polygon_plane(blocker));
       blockers.push_back(blocker);
     }
     std::array<double, 8> x{}, y{}, z{}, found{};
@@ -173,7 +176,7 @@ TEST(VisibleFragments, UnionOfOverlappingBlockersIsCutExactly) {
       z[k] = 0.3 * uniform(random);
     }
     const Vec3d up{0, 0, 1};
-    fragments.evaluate(x.data(), y.data(), z.data(), 8, up, found.data());
+    fragments.evaluate(silhouette, x.data(), y.data(), z.data(), 8, up, found.data());
     for (std::size_t k = 0; k < 8; ++k) {
       const Vec3d point{x[k], y[k], z[k]};
       std::vector<Polygon> pieces{source};

@@ -1,10 +1,16 @@
 #include "penumbra/radiosity/form_factors/form_factor_method.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 #include "penumbra/parallel/parallel_for.h"
 
 namespace penumbra {
+
+PatchRow FormFactorMethod::row(std::uint32_t /*patch*/) const {
+  throw std::logic_error("the form factor method \"" + std::string(name()) + "\" computes no single rows");
+}
 
 bool visit_factors(const FormFactorMethod& method, const std::function<void(const FactorBlock&)>& visitor,
                    const Progress& progress) {

@@ -37,6 +37,12 @@ struct FactorBlock {
   std::vector<DroppedExchange> dropped;
 };
 
+/// What one patch sends to all others, by ascending patch: exchanges A_i F_ij, m^2, > 0.
+struct PatchRow {
+  std::vector<std::uint32_t> patches;
+  std::vector<double> exchanges;
+};
+
 /// What every method understands; a method says in its own header which of these it reads.
 struct FormFactorOptions {
   /// For each patch i the sum over j of |error of F_ij|, dropped factors included, is at most this. Positive.
@@ -69,6 +75,13 @@ class FormFactorMethod {
   [[nodiscard]] virtual FactorBlock block(std::size_t index) const = 0;
   /// Relative cost of a block, for progress; need not be exact.
   [[nodiscard]] virtual double block_cost(std::size_t /*index*/) const { return 1; }
+
+  /// Whether the method computes single rows, in a time of the order of one row and O(patches) memory.
+  [[nodiscard]] virtual bool computes_rows() const { return false; }
+  /// The row of one patch, as seen from that patch alone: for methods that work by rows it is the patch's own estimate,
+  /// which is not exactly reciprocal. Throws std::logic_error where the method computes no rows.
+  /// @pre patch is a radiating patch of the mesh.
+  [[nodiscard]] virtual PatchRow row(std::uint32_t patch) const;
 };
 
 /// Computes every block on all threads allowed and hands them to `visitor` in the order of their index, one at a time.

@@ -330,9 +330,29 @@ class HemicubeMethod final : public FormFactorMethod {
     for (std::size_t i = index * rows_a_block_; i < last; ++i) {
       const auto patch = static_cast<std::uint32_t>(i);
       look_from(patch, hemicube);
-      add_row(patch, hemicube, scratch, block);
+      // Row i gives half of each of its pairs; the other half comes from row j.
+      visit_row(patch, hemicube, scratch, [&](std::uint32_t j, double exchange, double error) {
+        block.pairs.push_back(
+            {std::min(patch, j), std::max(patch, j), 0.5 * exchange, static_cast<float>(0.5 * error)});
+      });
     }
     return block;
+  }
+  [[nodiscard]] bool computes_rows() const override { return true; }
+  [[nodiscard]] PatchRow row(std::uint32_t patch) const override {
+    Hemicube hemicube(deltas_);
+    ExchangeAreaScratch scratch;
+    look_from(patch, hemicube);
+    std::vector<std::pair<std::uint32_t, double>> found;
+    visit_row(patch, hemicube, scratch,
+              [&](std::uint32_t j, double exchange, double) { found.emplace_back(j, exchange); });
+    std::sort(found.begin(), found.end());
+    PatchRow row;
+    for (const auto& [j, exchange] : found) {
+      row.patches.push_back(j);
+      row.exchanges.push_back(exchange);
+    }
+    return row;
   }
 
  private:
@@ -363,12 +383,12 @@ class HemicubeMethod final : public FormFactorMethod {
     return length_squared(mesh_.centroids[j] - mesh_.centroids[i]) < reach * reach;
   }
 
-  // Row i gives half of each of its pairs; the other half comes from row j.
-  void add_row(std::uint32_t i, Hemicube& hemicube, ExchangeAreaScratch& scratch, FactorBlock& block) const {
+  // What the hemicube at patch i saw, each partner once: `visit(j, exchange, error)`.
+  template <class Visit>
+  void visit_row(std::uint32_t i, Hemicube& hemicube, ExchangeAreaScratch& scratch, const Visit& visit) const {
     const auto sights = hemicube.sights(mesh_.radiating_count);
     const auto add = [&](std::uint32_t j, double exchange, double error) {
-      if (!(exchange > 0) || i == j) return;
-      block.pairs.push_back({std::min(i, j), std::max(i, j), 0.5 * exchange, static_cast<float>(0.5 * error)});
+      if (exchange > 0 && i != j) visit(j, exchange, error);
     };
     for (const HemicubeSight& sight : sights) {
       if (sight.patch == i || takes_exact(i, sight.patch)) continue;

@@ -82,6 +82,9 @@ class Hemicube {
   /// Every item seen, by ascending number, with its factor.
   [[nodiscard]] std::vector<HemicubeSight> sights(std::size_t item_count) const;
   [[nodiscard]] const HemicubeDeltas& deltas() const { return *deltas_; }
+  /// What each pixel of a face sees: an item or `nothing`, laid out as the deltas. Face 0 is the top; 1 to 4 look along
+  /// the frame's +x, +y, -x, -y, with rows upwards and columns along +y, -x, -y, +x.
+  [[nodiscard]] std::span<const std::uint32_t> items(std::size_t face) const { return items_[face]; }
 
  private:
   template <class Paint>

@@ -10,7 +10,8 @@ namespace {
 constexpr int nodes = 4;
 constexpr double kink_share = 0.2;
 constexpr double overlooked_share = 3e-3;    // a strip up to the first node (0.069), where the view opens linearly
-constexpr std::size_t most_meeting = 8;      // occluders whose meetings are looked for
+constexpr std::size_t most_lined = 64;       // edges whose shadow lines are looked for
+constexpr std::size_t most_meeting = 32;     // edges whose meetings are looked for
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
 constexpr double loose_tolerance = 0.01;     // relative
 constexpr double first_cut_balance = 0.15;
@@ -74,26 +75,10 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
   clip_polygon(source, receiver_plane, 0, source_);
   lines_.clear();
   lines_found_ = meeting_lines_found_ = false;
-  blocker_count_ = 0;
+  silhouette_.clear();
   if (receiver_.size() < 3 || source_.size() < 3) return;
   fragments_.set_source(source_);
-  for (std::uint32_t k : blockers) {
-    const double slack = occluders_.slack[k];
-    double over_receiver = 0, over_source = 0;
-    for (const Vec3d& v : occluders_.polygon(k)) {
-      over_receiver = std::max(over_receiver, receiver_plane.distance(v));
-      over_source = std::max(over_source, source_plane.distance(v));
-    }
-    if (over_receiver <= slack || over_source <= slack) continue;
-    clip_polygon(occluders_.polygon(k), receiver_plane, 0, clipped_);
-    if (clipped_.size() < 3) continue;
-    if (blockers_.size() == blocker_count_) blockers_.emplace_back();
-    auto& blocker = blockers_[blocker_count_];
-    clip_polygon(clipped_, source_plane, 0, blocker);
-    if (blocker.size() < 3) continue;
-    ++blocker_count_;
-    fragments_.add_occluder(blocker, occluders_.planes[k]);
-  }
+  silhouette_.build(occluders_, blockers, receiver_, receiver_plane, source_plane);
 }
 
 ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> points, bool kinks) {
@@ -107,7 +92,7 @@ ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> poin
     y_[k] = p.y;
     z_[k] = p.z;
   }
-  fragments_.evaluate(x_.data(), y_.data(), z_.data(), count, receiver_plane_.normal, factors_.data());
+  fragments_.evaluate(silhouette_, x_.data(), y_.data(), z_.data(), count, receiver_plane_.normal, factors_.data());
 
   ExchangeEstimate e;
   constexpr std::size_t tensor = nodes * nodes;
@@ -126,8 +111,9 @@ ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> poin
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
-  const ExchangeEstimate e = rule_on(
-      points_, blocker_count_ > 0 && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
+  const ExchangeEstimate e =
+      rule_on(points_,
+              blocker_count() > 0 && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
   cell.exchange = e.exchange;
   cell.error = e.error;
 }
@@ -138,7 +124,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   if (cells_.size() < 3) cells_.resize(3);
   cells_[0].polygon = receiver_;
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
-  if (blocker_count_ > 0 && relative < loose_tolerance && max_cells > 1) {
+  if (blocker_count() > 0 && relative < loose_tolerance && max_cells > 1) {
     find_shadow_lines();
     if (best_line(lines_, receiver_, first_cut_balance) != nullptr && split(cells_[0], cells_[1], cells_[2])) {
       std::swap(cells_[0], cells_[1]);
@@ -202,20 +188,20 @@ void ObstructedExchange::find_shadow_lines() {
     const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
     if (matters(line, receiver_)) lines_.push_back(line);
   };
-  for (std::size_t k = 0; k < blocker_count_; ++k) {
-    const auto& blocker = blockers_[k];
-    const Plane3 edge_on = polygon_plane(blocker);
-    if (cuts_receiver(edge_on.normal, blocker[0])) lines_.push_back({edge_on, {}, {}, {}, false});
-    for (std::size_t a = 0; a < source_.size(); ++a)
-      for (std::size_t b = 0; b < blocker.size(); ++b) {
-        add(source_[a], blocker[b], blocker[b + 1 == blocker.size() ? 0 : b + 1]);
-        add(blocker[b], source_[a], source_[a + 1 == source_.size() ? 0 : a + 1]);
-      }
+  for (const Plane3& turning : silhouette_.planes())
+    if (cuts_receiver(turning.normal, turning.offset * turning.normal)) lines_.push_back({turning, {}, {}, {}, false});
+  if (silhouette_.edges().size() > most_lined) return;
+  const auto vertices = silhouette_.vertices();
+  for (std::size_t a = 0; a < source_.size(); ++a) {
+    const Vec3d& corner = source_[a];
+    const Vec3d& next = source_[a + 1 == source_.size() ? 0 : a + 1];
+    for (const Silhouette::Edge& edge : silhouette_.edges()) add(corner, vertices[edge.from], vertices[edge.to]);
+    for (const Vec3d& v : vertices) add(v, corner, next);
   }
 }
 
-/// Lines on which a corner of one occluder covers an edge of another, both before the source: there a gap between them
-/// opens or closes.
+/// Lines on which a corner of the silhouette covers one of its edges, both before the source: there a gap between two
+/// occluders opens or closes.
 void ObstructedExchange::find_meeting_lines() {
   meeting_lines_found_ = true;
   meeting_lines_.clear();
@@ -239,13 +225,10 @@ void ObstructedExchange::find_meeting_lines() {
     }
     if (seen) meeting_lines_.push_back(line);
   };
-  for (std::size_t k = 0; k < blocker_count_; ++k)
-    for (std::size_t l = 0; l < blocker_count_; ++l) {
-      if (k == l) continue;
-      const auto& other = blockers_[l];
-      for (const Vec3d& corner : blockers_[k])
-        for (std::size_t b = 0; b < other.size(); ++b) add(corner, other[b], other[b + 1 == other.size() ? 0 : b + 1]);
-    }
+  const auto vertices = silhouette_.vertices();
+  for (std::uint32_t v = 0; v < vertices.size(); ++v)
+    for (const Silhouette::Edge& edge : silhouette_.edges())
+      if (edge.from != v && edge.to != v) add(vertices[v], vertices[edge.from], vertices[edge.to]);
 }
 
 /// Whether, somewhere along the line's chord through the cell, the corner covers a point of the edge itself and not
@@ -296,7 +279,7 @@ const ObstructedExchange::ShadowLine* ObstructedExchange::best_line(std::span<co
 bool ObstructedExchange::split(const Cell& cell, Cell& left, Cell& right) {
   if (!lines_found_) find_shadow_lines();
   const ShadowLine* best = best_line(lines_, cell.polygon, least_balance);
-  if (!best && blocker_count_ > 1 && blocker_count_ <= most_meeting) {
+  if (!best && silhouette_.edges().size() <= most_meeting) {
     if (!meeting_lines_found_) find_meeting_lines();
     best = best_line(meeting_lines_, cell.polygon, least_balance);
   }

@@ -8,6 +8,7 @@
 #include "penumbra/math/polygon.h"
 #include "penumbra/math/quadrature.h"
 #include "penumbra/radiosity/form_factors/occluder_polygons.h"
+#include "penumbra/radiosity/form_factors/silhouette.h"
 #include "penumbra/radiosity/form_factors/visible_fragments.h"
 
 namespace penumbra {
@@ -22,9 +23,10 @@ struct ExchangeEstimate {
 ///
 /// The exact form factor from a point to the visible fragments of one polygon is integrated over the other by 4 x 4
 /// Gauss points. Where the estimated error is too large the polygon is cut along a shadow line (the trace of a plane
-/// through a corner of the source and an edge of an occluder, or an edge of the source and a corner of an occluder):
-/// between those lines the integrand is smooth and Gauss converges fast; it has kinks across them. Where no shadow line
-/// is left it is halved. The worst piece goes first (Walton, NISTIR 6925, 2002, halves without looking for the lines).
+/// through a corner of the source and an edge of the occluders' silhouette, or an edge of the source and an end of
+/// one): between those lines the integrand is smooth and Gauss converges fast; it has kinks across them. Where no
+/// shadow line is left it is halved. The worst piece goes first (Walton, NISTIR 6925, 2002, halves without looking for
+/// the lines).
 ///
 /// One object a thread.
 class ObstructedExchange {
@@ -38,7 +40,7 @@ class ObstructedExchange {
                 const Plane3& source_plane, std::span<const std::uint32_t> blockers, double open = 0);
 
   /// Blockers left after clipping; with 0 the pair is unobstructed.
-  [[nodiscard]] std::size_t blocker_count() const { return blocker_count_; }
+  [[nodiscard]] std::size_t blocker_count() const { return silhouette_.polygon_count(); }
 
   /// Integrates until the estimated error is at most `allowed` (m^2) + `relative` * exchange, or `max_cells` pieces
   /// were made.
@@ -70,11 +72,10 @@ class ObstructedExchange {
   VisibleFragments fragments_;
   Plane3 receiver_plane_;
   double open_factor_ = 0;
-  std::vector<Vec3d> receiver_, source_, clipped_, clipped_twice_;
-  std::vector<std::vector<Vec3d>> blockers_;
-  std::size_t blocker_count_ = 0;
-  std::vector<ShadowLine> lines_;          // where an occluder meets the source's outline
-  std::vector<ShadowLine> meeting_lines_;  // where two occluders meet before the source
+  std::vector<Vec3d> receiver_, source_;
+  Silhouette silhouette_;
+  std::vector<ShadowLine> lines_;          // where the silhouette meets the source's outline
+  std::vector<ShadowLine> meeting_lines_;  // where two of its edges meet before the source
   bool lines_found_ = false, meeting_lines_found_ = false;
   std::vector<WeightedPoint> points_;
   std::vector<double> x_, y_, z_, factors_;

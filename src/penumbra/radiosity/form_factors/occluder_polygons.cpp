@@ -205,23 +205,71 @@ bool on_convex_hull(const PatchMesh& mesh, const Plane3& plane, double tolerance
   return true;
 }
 
-void append_occluder(OccluderPolygons& out, std::span<const Vec3d> polygon) {
-  const Plane3 plane = polygon_plane(polygon);
-  const Vec3d centre = polygon_centroid(polygon);
-  const double size = polygon_size(polygon);
-  CounterRng random(hash_key(out.size(), 0x0CC1UL));
-  const double growth = relative_motion * (0.5 + random.next());
-  const double lift = relative_motion * size * (0.5 + random.next()) * (random.next() < 0.5 ? -1 : 1);
-  Bounds bounds;
-  for (const Vec3d& p : polygon) {
-    out.corners.push_back(centre + (1 + growth) * (p - centre) + lift * plane.normal);
-    bounds.grow(out.corners.back());
+/// Rings of mesh vertices as polygons that share vertices and edges.
+class OccluderBuilder {
+ public:
+  explicit OccluderBuilder(const PatchMesh& mesh) : mesh_(mesh) {}
+
+  void add(const Ring& ring) { rings_.push_back(ring); }
+
+  [[nodiscard]] OccluderPolygons finish() {
+    place_vertices();
+    for (std::size_t k = 0; k < rings_.size(); ++k) append(static_cast<std::uint32_t>(k));
+    return std::move(out_);
   }
-  out.corner_offsets.push_back(static_cast<std::uint32_t>(out.corners.size()));
-  out.planes.push_back({plane.normal, plane.offset + lift});
-  out.bounds.push_back(bounds);
-  out.slack.push_back(4 * relative_motion * size);
-}
+
+ private:
+  void place_vertices() {
+    std::map<std::uint32_t, double> smallest;  // per mesh vertex: the size of its smallest polygon
+    for (const Ring& ring : rings_) {
+      const double size = polygon_size(positions_of(mesh_, ring));
+      for (std::uint32_t v : ring) {
+        const auto [at, fresh] = smallest.emplace(v, size);
+        if (!fresh) at->second = std::min(at->second, size);
+      }
+    }
+    for (const auto& [v, size] : smallest) {
+      vertex_of_[v] = static_cast<std::uint32_t>(out_.vertices.size());
+      CounterRng random(hash_key(v, 0x0CC1UL));
+      const Vec3d motion = Vec3d(random.next(), random.next(), random.next()) - 0.5;
+      out_.vertices.push_back(mesh_.vertices[v] + 2 * relative_motion * size * motion);
+    }
+  }
+
+  void append(std::uint32_t k) {
+    const Ring& ring = rings_[k];
+    const std::vector<Vec3d> still = positions_of(mesh_, ring);
+    Bounds bounds;
+    for (std::size_t c = 0; c < ring.size(); ++c) {
+      const std::uint32_t v = vertex_of_.at(ring[c]);
+      out_.corner_vertices.push_back(v);
+      out_.corners.push_back(out_.vertices[v]);
+      out_.corner_edges.push_back(edge(k, v, vertex_of_.at(ring[(c + 1) % ring.size()])));
+      bounds.grow(out_.vertices[v]);
+    }
+    out_.corner_offsets.push_back(static_cast<std::uint32_t>(out_.corners.size()));
+    out_.planes.push_back(polygon_plane(still));
+    out_.bounds.push_back(bounds);
+    out_.slack.push_back(4 * relative_motion * polygon_size(still));
+  }
+
+  std::uint32_t edge(std::uint32_t k, std::uint32_t from, std::uint32_t to) {
+    const auto key = edge_key(std::min(from, to), std::max(from, to));
+    const auto [at, fresh] = edge_of_.emplace(key, static_cast<std::uint32_t>(out_.edges.size()));
+    if (fresh) out_.edges.push_back({std::min(from, to), std::max(from, to)});
+    auto& e = out_.edges[at->second];
+    std::uint32_t& side = from < to ? e.left : e.right;
+    e.simple = e.simple && side == OccluderPolygons::none;
+    side = k;
+    return at->second;
+  }
+
+  const PatchMesh& mesh_;
+  std::vector<Ring> rings_;
+  std::unordered_map<std::uint32_t, std::uint32_t> vertex_of_;
+  std::unordered_map<std::uint64_t, std::uint32_t> edge_of_;
+  OccluderPolygons out_;
+};
 
 }  // namespace
 
@@ -236,7 +284,7 @@ OccluderPolygons make_occluder_polygons(const PatchMesh& mesh, bool merge) {
   } else {
     for (std::uint32_t p = 0; p < mesh.patch_count(); ++p) regions.push_back({p});
   }
-  OccluderPolygons out;
+  OccluderBuilder builder(mesh);
   std::map<Ring, bool> seen;
   std::vector<std::uint32_t> first_patch;  // of each occluder's region
   std::vector<Plane3> hull_planes;
@@ -254,12 +302,12 @@ OccluderPolygons make_occluder_polygons(const PatchMesh& mesh, bool merge) {
       Ring key = ring;
       std::sort(key.begin(), key.end());
       if (!seen.emplace(key, true).second) continue;  // the other side of a plate
-      const std::vector<Vec3d> polygon = positions_of(mesh, ring);
-      if (!(polygon_area(polygon) > 0)) continue;
-      append_occluder(out, polygon);
+      if (!(polygon_area(positions_of(mesh, ring)) > 0)) continue;
+      builder.add(ring);
       first_patch.push_back(p);
     }
   }
+  OccluderPolygons out = builder.finish();
   out.bodies = find_convex_bodies(mesh, hull_planes, tolerance);
   for (std::uint32_t p : first_patch) out.body.push_back(out.bodies.body_of[p]);
   return out;

@@ -15,12 +15,26 @@ namespace penumbra {
 
 /// Convex polygons that hide what lies behind them, from either side.
 ///
-/// Each is moved and grown by about 1e-8 of its size, by amounts of its own, so that no edge of one lies exactly on an
-/// edge of another or of a patch: then the contours of what is hidden close without special cases (simulation of
-/// general position). `slack` bounds that motion: what lies within it of a plane counts as lying on it.
+/// Corners are vertices that neighbours share. Each vertex is moved at random by about 1e-8 of the size of its smallest
+/// polygon, so that no edge lies exactly on another or on one of a patch: then the contours of what is hidden close
+/// without special cases (simulation of general position). `slack` bounds that motion: what lies within it of a plane
+/// counts as lying on it.
 struct OccluderPolygons {
+  static constexpr std::uint32_t none = 0xffffffffU;
+
+  /// A side of one or more polygons, between two vertices.
+  struct Edge {
+    std::uint32_t from = 0, to = 0;           ///< vertices, from < to
+    std::uint32_t left = none, right = none;  ///< the polygon that has it from `from` to `to`, and reversed
+    bool simple = true;                       ///< at most one on either side
+  };
+
+  std::vector<Vec3d> vertices;
   std::vector<std::uint32_t> corner_offsets{0};
-  std::vector<Vec3d> corners;  ///< counter-clockwise around the plane's normal
+  std::vector<Vec3d> corners;                  ///< counter-clockwise around the plane's normal
+  std::vector<std::uint32_t> corner_vertices;  ///< into vertices
+  std::vector<std::uint32_t> corner_edges;     ///< the edge from a corner to the next, into edges
+  std::vector<Edge> edges;
   std::vector<Plane3> planes;
   std::vector<Bounds> bounds;
   std::vector<double> slack;        ///< m

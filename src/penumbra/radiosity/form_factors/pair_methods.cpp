@@ -55,6 +55,19 @@ class PairwiseMethod : public FormFactorMethod {
     return block;
   }
 
+  [[nodiscard]] bool computes_rows() const override { return true; }
+  [[nodiscard]] PatchRow row(std::uint32_t patch) const override {
+    PatchRow row;
+    for (std::uint32_t j = 0; j < mesh_.radiating_count; ++j) {
+      if (j == patch) continue;
+      const double e = exchange(std::min(patch, j), std::max(patch, j)).exchange;
+      if (!(e > 0)) continue;
+      row.patches.push_back(j);
+      row.exchanges.push_back(e);
+    }
+    return row;
+  }
+
  protected:
   [[nodiscard]] virtual ExchangeEstimate exchange(std::uint32_t i, std::uint32_t j) const = 0;
 

@@ -179,6 +179,15 @@ class RayCastMethod final : public FormFactorMethod {
     }
     return block;
   }
+  [[nodiscard]] bool computes_rows() const override { return true; }
+  [[nodiscard]] PatchRow row(std::uint32_t patch) const override {
+    PatchRow row;
+    for (const RayCastFactor& f : caster_.row(patch, options_)) {
+      row.patches.push_back(f.patch);
+      row.exchanges.push_back(mesh_.areas[patch] * f.factor);
+    }
+    return row;
+  }
 
  private:
   const PatchMesh& mesh_;

@@ -111,191 +111,241 @@ HWY_INLINE void cut_interval(V f0, V f1, V& lo, V& hi) {
   hi = hn::IfThenElse(hn::And(crossing, neg1), hn::Min(hi, t), hi);
 }
 
-/// Intervals of an edge that occluders cover, kept sorted by their start, lane by lane.
-struct CoveredStretches {
-  double* starts;
-  double* ends;
+/// Where the silhouette crosses a stretch, and by how much the number of covering polygons changes there; sorted lane
+/// by lane.
+struct Crossings {
+  double* places;
+  double* changes;
   std::size_t count = 0;
 
-  HWY_INLINE void insert(V lo, V hi) {
+  HWY_INLINE void insert(V place, V change) {
     const D d;
     const std::size_t n = hn::Lanes(d);
     for (std::size_t k = 0; k < count; ++k) {
-      const V s = hn::LoadU(d, starts + k * n), e = hn::LoadU(d, ends + k * n);
-      const M before = hn::Lt(lo, s);
-      hn::StoreU(hn::IfThenElse(before, lo, s), d, starts + k * n);
-      hn::StoreU(hn::IfThenElse(before, hi, e), d, ends + k * n);
-      lo = hn::IfThenElse(before, s, lo);
-      hi = hn::IfThenElse(before, e, hi);
+      const V p = hn::LoadU(d, places + k * n), c = hn::LoadU(d, changes + k * n);
+      const M before = hn::Lt(place, p);
+      if (hn::AllFalse(d, before)) continue;
+      hn::StoreU(hn::IfThenElse(before, place, p), d, places + k * n);
+      hn::StoreU(hn::IfThenElse(before, change, c), d, changes + k * n);
+      place = hn::IfThenElse(before, p, place);
+      change = hn::IfThenElse(before, c, change);
     }
-    hn::StoreU(lo, d, starts + count * n);
-    hn::StoreU(hi, d, ends + count * n);
+    hn::StoreU(place, d, places + count * n);
+    hn::StoreU(change, d, changes + count * n);
     ++count;
   }
 
-  /// The angle of what is left of [lo, hi].
-  HWY_INLINE V open_angle(const Arc& arc, V lo, V hi) const {
+  /// The angle of [lo, hi] less what is covered, when `covering` polygons cover its start at 0.
+  HWY_INLINE V open_angle(const Arc& arc, V covering, V lo, V hi) const {
     const D d;
     const std::size_t n = hn::Lanes(d);
+    const V half = set(0.5);
     V sum = hn::Zero(d);
     for (std::size_t k = 0; k < count; ++k) {
-      const V end = hn::Min(hn::LoadU(d, starts + k * n), hi);
-      if (!hn::AllFalse(d, hn::Gt(end, lo))) sum = hn::Add(sum, stretch_angle(arc, lo, end));
-      lo = hn::Max(lo, hn::LoadU(d, ends + k * n));
+      const V place = hn::LoadU(d, places + k * n);
+      const V end = hn::Min(place, hi);
+      const M open = hn::And(hn::Lt(covering, half), hn::Gt(end, lo));
+      if (!hn::AllFalse(d, open)) sum = hn::Add(sum, hn::IfThenElseZero(open, stretch_angle(arc, lo, end)));
+      lo = hn::Max(lo, place);
+      covering = hn::Add(covering, hn::LoadU(d, changes + k * n));
     }
-    if (!hn::AllFalse(d, hn::Gt(hi, lo))) sum = hn::Add(sum, stretch_angle(arc, lo, hi));
+    const M open = hn::And(hn::Lt(covering, half), hn::Gt(hi, lo));
+    if (!hn::AllFalse(d, open)) sum = hn::Add(sum, hn::IfThenElseZero(open, stretch_angle(arc, lo, hi)));
     return sum;
   }
 };
 
-/// Scratch doubles for one vector of points.
-std::size_t scratch_size(std::size_t source_corners, std::size_t occluder_corners, std::size_t occluders) {
+/// Scratch doubles for one vector of points, at most.
+std::size_t scratch_size(std::size_t source_corners, std::size_t vertices, std::size_t edges, std::size_t planes) {
   const std::size_t lanes = 8;
-  const std::size_t vectors = 6 * source_corners + 6 * occluder_corners + 2 * source_corners * occluders +
-                              2 * occluders + source_corners * occluder_corners;
-  return vectors * lanes;
+  return lanes * (6 * source_corners + 5 * vertices + source_corners * (vertices + edges) + 6 * edges + planes);
 }
 
-struct Pyramids {
-  double* source;        ///< corners relative to the point
-  double* source_sides;  ///< inward normals of the planes through point and edge
-  double* corners;       ///< likewise for the occluders
-  double* corner_sides;
-  double* stretch_starts;  ///< [source edge][occluder]
-  double* stretch_ends;
-  double* starts;
-  double* ends;
+/// One vector of points and what it sees.
+class View {
+ public:
+  View(const VisibleFragments::Input& in, V3 point, const Vec3d& normal, double* scratch)
+      : in_(in), ns_(in.source.size()), nv_(in.vertices.size()), ne_(in.edges.size()), point_(point) {
+    up_ = {set(normal.x), set(normal.y), set(normal.z)};
+    const auto take = [&](std::size_t vectors) {
+      double* const taken = scratch;
+      scratch += vectors * n_;
+      return taken;
+    };
+    source_ = take(3 * ns_);
+    source_sides_ = take(3 * ns_);
+    vertices_ = take(3 * nv_);
+    vertex_sides_ = take(ns_ * nv_);
+    sides_ = take(3 * ne_);
+    steps_ = take(ne_);
+    source_in_ = take(ns_ * ne_);
+    across_ = take(nv_);
+    meridian_ = take(nv_);
+    signs_ = take(in.planes.size());
+    crossings_.places = take(ne_);
+    crossings_.changes = take(ne_);
+  }
+
+  HWY_INLINE V factor() {
+    look();
+    V sum = source_edges();
+    for (std::size_t e = 0; e < ne_; ++e) sum = hn::Sub(sum, silhouette_edge(e));
+    return hn::Max(hn::Zero(D()), hn::Mul(sum, set(0.15915494309189533577)));
+  }
+
+ private:
+  HWY_INLINE V load(const double* table, std::size_t k) const { return hn::LoadU(D(), table + n_ * k); }
+  HWY_INLINE V3 vector(const double* table, std::size_t k) const { return load3(table + 3 * n_ * k); }
+  HWY_INLINE V3 from_point(const Vec3d& p) const { return minus3({set(p.x), set(p.y), set(p.z)}, point_); }
+
+  void look() {
+    const D d;
+    for (std::size_t a = 0; a < ns_; ++a) store3(from_point(in_.source[a]), source_ + 3 * n_ * a);
+    for (std::size_t a = 0; a < ns_; ++a)
+      store3(cross3(vector(source_, a + 1 == ns_ ? 0 : a + 1), vector(source_, a)), source_sides_ + 3 * n_ * a);
+    for (std::size_t v = 0; v < nv_; ++v) {
+      const V3 p = from_point(in_.vertices[v]);
+      store3(p, vertices_ + 3 * n_ * v);
+      for (std::size_t a = 0; a < ns_; ++a)
+        hn::StoreU(dot3(vector(source_sides_, a), p), d, vertex_sides_ + n_ * (a * nv_ + v));
+    }
+    for (std::size_t k = 0; k < in_.planes.size(); ++k) {
+      const Plane3& plane = in_.planes[k];
+      const V height =
+          hn::Sub(dot3({set(plane.normal.x), set(plane.normal.y), set(plane.normal.z)}, point_), set(plane.offset));
+      hn::StoreU(hn::IfThenElse(hn::Lt(height, hn::Zero(d)), set(-1), set(1)), d, signs_ + n_ * k);
+    }
+    for (std::size_t e = 0; e < ne_; ++e) {
+      const Silhouette::Edge& edge = in_.edges[e];
+      const V3 side = cross3(vector(vertices_, edge.to), vector(vertices_, edge.from));
+      store3(side, sides_ + 3 * n_ * e);
+      V step = set(edge.step);
+      for (std::uint32_t t = edge.first; t < edge.last; ++t)
+        step = hn::MulAdd(set(in_.turning[t].direction), load(signs_, in_.turning[t].plane), step);
+      hn::StoreU(step, d, steps_ + n_ * e);
+      for (std::size_t a = 0; a < ns_; ++a)
+        hn::StoreU(dot3(side, vector(source_, a)), d, source_in_ + n_ * (a * ne_ + e));
+    }
+  }
+
+  /// Prepares winding numbers about the direction `m`: on which side of the half-plane from the normal through m the
+  /// vertices are.
+  void set_meridian(const V3& m) {
+    const D d;
+    V3 across = cross3(m, up_);
+    across.x = hn::Add(across.x, set(1e-290));  // right above any half-plane does
+    for (std::size_t v = 0; v < nv_; ++v) hn::StoreU(dot3(across, vector(vertices_, v)), d, meridian_ + n_ * v);
+  }
+
+  /// What edge e adds to the winding number, `in` being positive where the direction is on its left.
+  HWY_INLINE V winding(std::size_t e, V in) const {
+    const V zero = hn::Zero(D());
+    const M from = hn::Gt(load(meridian_, in_.edges[e].from), zero),
+            to = hn::Gt(load(meridian_, in_.edges[e].to), zero);
+    const M left = hn::Gt(in, zero);
+    const V step = load(steps_, e);
+    const M upwards = hn::And(hn::AndNot(from, to), left), downwards = hn::AndNot(hn::Or(to, left), from);
+    return hn::Sub(hn::IfThenElseZero(upwards, step), hn::IfThenElseZero(downwards, step));
+  }
+
+  HWY_INLINE V source_edges() {
+    const D d;
+    const V zero = hn::Zero(d), one = set(1);
+    std::size_t a = in_.first_corner;
+    set_meridian(vector(source_, a));
+    V covering = zero;
+    for (std::size_t e = 0; e < ne_; ++e) covering = hn::Add(covering, winding(e, load(source_in_, a * ne_ + e)));
+    V sum = zero;
+    for (std::size_t turn = 0; turn < ns_; ++turn, a = a + 1 == ns_ ? 0 : a + 1) {
+      const std::size_t b = a + 1 == ns_ ? 0 : a + 1;
+      crossings_.count = 0;
+      V change = zero;
+      for (std::size_t e = 0; e < ne_; ++e) {
+        const V f0 = load(source_in_, a * ne_ + e), f1 = load(source_in_, b * ne_ + e);
+        const M in0 = hn::Gt(f0, zero), in1 = hn::Gt(f1, zero);
+        const M from = hn::Gt(load(vertex_sides_, a * nv_ + in_.edges[e].from), zero);
+        const M to = hn::Gt(load(vertex_sides_, a * nv_ + in_.edges[e].to), zero);
+        const V step = load(steps_, e);
+        const M crosses = hn::And(hn::And(hn::Xor(in0, in1), hn::Xor(from, to)), hn::Ne(step, zero));
+        if (hn::AllFalse(d, crosses)) continue;
+        const V entered = hn::IfThenElseZero(crosses, hn::IfThenElse(in1, step, hn::Neg(step)));
+        crossings_.insert(hn::IfThenElse(crosses, hn::Div(f0, hn::Sub(f0, f1)), set(2)), entered);
+        change = hn::Add(change, entered);
+      }
+      const Arc arc = make_arc(vector(source_, a), vector(source_, b), vector(source_sides_, a), up_);
+      sum = hn::MulAdd(arc.weight, crossings_.open_angle(arc, covering, zero, one), sum);
+      covering = hn::Add(covering, change);
+    }
+    return sum;
+  }
+
+  /// What the part of edge e that is a rim of the visible part takes from Lambert's sum.
+  HWY_INLINE V silhouette_edge(std::size_t e) {
+    const D d;
+    const V zero = hn::Zero(d);
+    const V step = load(steps_, e);
+    const std::uint32_t v0 = in_.edges[e].from, v1 = in_.edges[e].to;
+    V lo = zero, hi = hn::IfThenElse(hn::Eq(step, zero), set(-1), set(1));
+    for (std::size_t a = 0; a < ns_; ++a)
+      cut_interval(load(vertex_sides_, a * nv_ + v0), load(vertex_sides_, a * nv_ + v1), lo, hi);
+    if (hn::AllFalse(d, hn::Gt(hi, lo))) return zero;
+
+    const V3 p = vector(vertices_, v0), q = vector(vertices_, v1), side = vector(sides_, e);
+    const V half = set(0.5);
+    const V3 middle{hn::Mul(half, hn::Add(p.x, q.x)), hn::Mul(half, hn::Add(p.y, q.y)),
+                    hn::Mul(half, hn::Add(p.z, q.z))};
+    set_meridian(middle);
+    for (std::size_t v = 0; v < nv_; ++v) hn::StoreU(dot3(side, vector(vertices_, v)), d, across_ + n_ * v);
+    // A hair to the right of the edge's middle.
+    V covering = winding(e, set(-1));
+    crossings_.count = 0;
+    for (std::size_t k = 0; k < ne_; ++k) {
+      if (k == e) continue;
+      const V3 other = vector(sides_, k);
+      const V f0 = dot3(other, p), f1 = dot3(other, q);
+      const V at_middle = hn::Add(f0, f1);
+      covering = hn::Add(covering, winding(k, at_middle));
+      const std::uint32_t from = in_.edges[k].from, to = in_.edges[k].to;
+      if (from == v0 || from == v1 || to == v0 || to == v1) continue;  // they only meet in that vertex
+      const M in0 = hn::Gt(f0, zero), in1 = hn::Gt(f1, zero);
+      const M beside = hn::Xor(hn::Gt(load(across_, from), zero), hn::Gt(load(across_, to), zero));
+      const V other_step = load(steps_, k);
+      const M crosses = hn::And(hn::And(hn::Xor(in0, in1), beside), hn::Ne(other_step, zero));
+      if (hn::AllFalse(d, crosses)) continue;
+      const V entered = hn::IfThenElseZero(crosses, hn::IfThenElse(in1, other_step, hn::Neg(other_step)));
+      crossings_.insert(hn::IfThenElse(crosses, hn::Div(f0, hn::Sub(f0, f1)), set(2)), entered);
+      // Back from the middle to the start.
+      const M first_half = hn::Xor(in0, hn::Gt(at_middle, zero));
+      covering = hn::Sub(covering, hn::IfThenElseZero(first_half, entered));
+    }
+    // The side that the edge's own polygons leave open.
+    const M left_open = hn::Lt(step, zero);
+    covering = hn::Add(covering, hn::IfThenElseZero(left_open, step));
+    const Arc arc = make_arc(p, q, side, up_);
+    const V angle = crossings_.open_angle(arc, covering, lo, hi);
+    return hn::Mul(hn::IfThenElse(left_open, hn::Neg(arc.weight), arc.weight), angle);
+  }
+
+  const VisibleFragments::Input& in_;
+  std::size_t n_ = hn::Lanes(D());
+  std::size_t ns_, nv_, ne_;
+  V3 point_, up_;
+  double *source_, *source_sides_;    // corners from the point, and inward normals of the planes through its edges
+  double *vertices_, *vertex_sides_;  // vertices from the point, and [source edge][vertex]: inside it
+  double *sides_, *steps_;            // per edge: normal of the plane through it, to its left, and its step
+  double* source_in_;                 // [source corner][edge]: left of it
+  double *across_, *meridian_;        // per vertex
+  double* signs_;                     // per turning plane
+  Crossings crossings_{};
 };
 
-void evaluate_vector(const VisibleFragments::Input& in, const double* px, const double* py, const double* pz,
-                     const Vec3d& normal, double* scratch, std::uint32_t* active, double* out) {
-  const D d;
-  const std::size_t n = hn::Lanes(d);
-  const std::size_t ns = in.source.size(), no = in.corners.size(), nk = in.planes.size();
-  Pyramids w;
-  w.source = scratch;
-  w.source_sides = w.source + 3 * n * ns;
-  w.corners = w.source_sides + 3 * n * ns;
-  w.corner_sides = w.corners + 3 * n * no;
-  w.stretch_starts = w.corner_sides + 3 * n * no;
-  w.stretch_ends = w.stretch_starts + n * ns * nk;
-  w.starts = w.stretch_ends + n * ns * nk;
-  w.ends = w.starts + n * nk;
-  double* const sides_at = w.ends + n * nk;  // [source edge][corner]
-
-  const V3 point{hn::LoadU(d, px), hn::LoadU(d, py), hn::LoadU(d, pz)};
-  const V3 up{set(normal.x), set(normal.y), set(normal.z)};
-  const V zero = hn::Zero(d), one = set(1);
-
-  for (std::size_t a = 0; a < ns; ++a)
-    store3(minus3({set(in.source[a].x), set(in.source[a].y), set(in.source[a].z)}, point), w.source + 3 * n * a);
-  for (std::size_t a = 0; a < ns; ++a)
-    store3(cross3(load3(w.source + 3 * n * (a + 1 == ns ? 0 : a + 1)), load3(w.source + 3 * n * a)),
-           w.source_sides + 3 * n * a);
-
-  // Which occluders stand before the source at all, and where they cover its edges.
-  std::size_t active_count = 0;
-  for (std::size_t k = 0; k < nk; ++k) {
-    const std::size_t first = in.offsets[k], last = in.offsets[k + 1];
-    for (std::size_t b = first; b < last; ++b)
-      store3(minus3({set(in.corners[b].x), set(in.corners[b].y), set(in.corners[b].z)}, point), w.corners + 3 * n * b);
-    bool apart = false;
-    for (std::size_t a = 0; a < ns && !apart; ++a) {
-      const V3 side = load3(w.source_sides + 3 * n * a);
-      M any = hn::Lt(one, zero);
-      for (std::size_t b = first; b < last; ++b) {
-        const V g = dot3(side, load3(w.corners + 3 * n * b));
-        hn::StoreU(g, d, sides_at + n * (a * no + b));
-        any = hn::Or(any, hn::Gt(g, zero));
-      }
-      apart = hn::AllFalse(d, any);
-    }
-    if (apart) continue;
-    const Plane3& plane = in.planes[k];
-    const V height =
-        hn::Sub(dot3({set(plane.normal.x), set(plane.normal.y), set(plane.normal.z)}, point), set(plane.offset));
-    const M front = hn::Gt(height, zero);  // from the front the corners turn the other way
-    for (std::size_t b = first; b < last; ++b) {
-      V3 side = cross3(load3(w.corners + 3 * n * b), load3(w.corners + 3 * n * (b + 1 == last ? first : b + 1)));
-      side.x = hn::IfThenElse(front, hn::Neg(side.x), side.x);
-      side.y = hn::IfThenElse(front, hn::Neg(side.y), side.y);
-      side.z = hn::IfThenElse(front, hn::Neg(side.z), side.z);
-      store3(side, w.corner_sides + 3 * n * b);
-    }
-    double* starts = w.stretch_starts + n * ns * active_count;
-    double* ends = w.stretch_ends + n * ns * active_count;
-    for (std::size_t a = 0; a < ns; ++a) {
-      hn::StoreU(zero, d, starts + n * a);
-      hn::StoreU(one, d, ends + n * a);
-    }
-    for (std::size_t b = first; b < last && !apart; ++b) {
-      const V3 side = load3(w.corner_sides + 3 * n * b);
-      M any = hn::Lt(one, zero);
-      V f0 = dot3(side, load3(w.source));
-      const V f_first = f0;
-      for (std::size_t a = 0; a < ns; ++a) {
-        any = hn::Or(any, hn::Gt(f0, zero));
-        const V f1 = a + 1 == ns ? f_first : dot3(side, load3(w.source + 3 * n * (a + 1)));
-        V lo = hn::LoadU(d, starts + n * a), hi = hn::LoadU(d, ends + n * a);
-        cut_interval(f0, f1, lo, hi);
-        hn::StoreU(lo, d, starts + n * a);
-        hn::StoreU(hi, d, ends + n * a);
-        f0 = f1;
-      }
-      apart = hn::AllFalse(d, any);
-    }
-    if (!apart) active[active_count++] = static_cast<std::uint32_t>(k);
-  }
-
-  V sum = zero;
-  CoveredStretches covered{w.starts, w.ends};
-  for (std::size_t a = 0; a < ns; ++a) {
-    covered.count = 0;
-    for (std::size_t k = 0; k < active_count; ++k) {
-      const V lo = hn::LoadU(d, w.stretch_starts + n * (k * ns + a)),
-              hi = hn::LoadU(d, w.stretch_ends + n * (k * ns + a));
-      const M some = hn::Gt(hi, lo);
-      if (!hn::AllFalse(d, some)) covered.insert(hn::IfThenElse(some, lo, set(2)), hn::IfThenElse(some, hi, set(2)));
-    }
-    const Arc arc = make_arc(load3(w.source + 3 * n * a), load3(w.source + 3 * n * (a + 1 == ns ? 0 : a + 1)),
-                             load3(w.source_sides + 3 * n * a), up);
-    sum = hn::MulAdd(arc.weight, covered.open_angle(arc, zero, one), sum);
-  }
-  for (std::size_t i = 0; i < active_count; ++i) {
-    const std::size_t k = active[i];
-    const std::size_t first = in.offsets[k], last = in.offsets[k + 1];
-    for (std::size_t b = first; b < last; ++b) {
-      const std::size_t b1 = b + 1 == last ? first : b + 1;
-      V lo = zero, hi = one;
-      for (std::size_t a = 0; a < ns; ++a)
-        cut_interval(hn::LoadU(d, sides_at + n * (a * no + b)), hn::LoadU(d, sides_at + n * (a * no + b1)), lo, hi);
-      if (hn::AllFalse(d, hn::Gt(hi, lo))) continue;
-      const V3 p = load3(w.corners + 3 * n * b), q = load3(w.corners + 3 * n * b1);
-      covered.count = 0;
-      for (std::size_t j = 0; j < active_count; ++j) {
-        if (j == i) continue;
-        const std::size_t l = active[j];
-        V start = zero, end = one;
-        for (std::size_t c = in.offsets[l]; c < in.offsets[l + 1]; ++c) {
-          const V3 side = load3(w.corner_sides + 3 * n * c);
-          cut_interval(dot3(side, p), dot3(side, q), start, end);
-        }
-        const M some = hn::Gt(end, start);
-        if (!hn::AllFalse(d, some))
-          covered.insert(hn::IfThenElse(some, start, set(2)), hn::IfThenElse(some, end, set(2)));
-      }
-      const Arc arc = make_arc(p, q, load3(w.corner_sides + 3 * n * b), up);
-      sum = hn::NegMulAdd(arc.weight, covered.open_angle(arc, lo, hi), sum);
-    }
-  }
-  hn::StoreU(hn::Max(zero, hn::Mul(sum, set(0.15915494309189533577))), d, out);
-}
-
 void evaluate_points(const VisibleFragments::Input& in, const double* x, const double* y, const double* z,
-                     std::size_t count, const Vec3d& normal, double* scratch, std::uint32_t* active, double* out) {
+                     std::size_t count, const Vec3d& normal, double* scratch, double* out) {
   const D d;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(d))
-    evaluate_vector(in, x + i, y + i, z + i, normal, scratch, active, out + i);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    View view(in, {hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i)}, normal, scratch);
+    hn::StoreU(view.factor(), d, out + i);
+  }
 }
 
 }  // namespace penumbra::HWY_NAMESPACE
@@ -307,31 +357,20 @@ namespace penumbra {
 HWY_EXPORT(evaluate_points);
 HWY_EXPORT(scratch_size);
 
-VisibleFragments::VisibleFragments() = default;
-VisibleFragments::~VisibleFragments() = default;
-
-void VisibleFragments::set_source(std::span<const Vec3d> polygon) {
-  source_.assign(polygon.begin(), polygon.end());
-  corners_.clear();
-  offsets_.assign(1, 0);
-  planes_.clear();
-}
-
-void VisibleFragments::add_occluder(std::span<const Vec3d> polygon, const Plane3& plane) {
-  corners_.insert(corners_.end(), polygon.begin(), polygon.end());
-  offsets_.push_back(static_cast<std::uint32_t>(corners_.size()));
-  planes_.push_back(plane);
-}
-
-void VisibleFragments::evaluate(const double* x, const double* y, const double* z, std::size_t count,
-                                const Vec3d& normal, double* factors) {
+void VisibleFragments::evaluate(const Silhouette& silhouette, const double* x, const double* y, const double* z,
+                                std::size_t count, const Vec3d& normal, double* factors) {
   assert(count % group == 0);
   assert(source_.size() >= 3);
-  const std::size_t size = HWY_DYNAMIC_DISPATCH(scratch_size)(source_.size(), corners_.size(), planes_.size());
+  const std::size_t size = HWY_DYNAMIC_DISPATCH(scratch_size)(source_.size(), silhouette.vertices().size(),
+                                                              silhouette.edges().size(), silhouette.planes().size());
   if (scratch_.size() < size) scratch_.resize(size);
-  if (active_.size() < planes_.size()) active_.resize(planes_.size());
+  // The walk around the source starts at the corner that is farthest from the horizon, where winding numbers end.
+  std::size_t highest = 0;
+  for (std::size_t a = 1; a < source_.size(); ++a)
+    if (dot(normal, source_[a]) > dot(normal, source_[highest])) highest = a;
   HWY_DYNAMIC_DISPATCH(evaluate_points)
-  ({source_, corners_, offsets_, planes_}, x, y, z, count, normal, scratch_.data(), active_.data(), factors);
+  ({source_, highest, silhouette.vertices(), silhouette.edges(), silhouette.turning(), silhouette.planes()}, x, y, z,
+   count, normal, scratch_.data(), factors);
 }
 
 }  // namespace penumbra

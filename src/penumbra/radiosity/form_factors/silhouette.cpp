@@ -1,0 +1,174 @@
+#include "penumbra/radiosity/form_factors/silhouette.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace penumbra {
+
+void Silhouette::Memory::forget(std::size_t size) {
+  if (value.size() < size) {
+    value.resize(size);
+    age.resize(size, now);
+  }
+  if (++now == std::numeric_limits<std::uint32_t>::max()) {
+    std::fill(age.begin(), age.end(), 0U);
+    now = 1;
+  }
+}
+
+std::uint32_t& Silhouette::Memory::at(std::uint32_t key, std::uint32_t otherwise) {
+  if (age[key] != now) {
+    age[key] = now;
+    value[key] = otherwise;
+  }
+  return value[key];
+}
+
+void Silhouette::clear() {
+  polygon_count_ = 0;
+  vertices_.clear();
+  edges_.clear();
+  turning_.clear();
+  planes_.clear();
+  heights_.clear();
+  pending_.clear();
+}
+
+std::uint32_t Silhouette::vertex(const OccluderPolygons& occluders, std::uint32_t v, const Plane3& receiver,
+                                 const Plane3& source) {
+  std::uint32_t& known = vertex_of_.at(v, none);
+  if (known == none) {
+    known = static_cast<std::uint32_t>(vertices_.size());
+    const Vec3d& p = occluders.vertices[v];
+    vertices_.push_back(p);
+    heights_.push_back({receiver.distance(p), source.distance(p)});
+  }
+  return known;
+}
+
+/// Where the edge a-b meets a plane: the same vertex for all polygons that share the edge.
+std::uint32_t Silhouette::cut(int plane, std::uint32_t edge, std::uint32_t a, std::uint32_t b) {
+  const auto which = static_cast<std::size_t>(plane);
+  const auto fresh = static_cast<std::uint32_t>(vertices_.size());
+  if (edge != none) {
+    const std::uint32_t known = cut_of_[which].at(edge, fresh);
+    if (known != fresh) return known;
+  }
+  const double t = heights_[a][which] / (heights_[a][which] - heights_[b][which]);
+  vertices_.push_back(vertices_[a] + t * (vertices_[b] - vertices_[a]));
+  std::array<double, 2> heights;
+  for (std::size_t k = 0; k < 2; ++k) heights[k] = heights_[a][k] + t * (heights_[b][k] - heights_[a][k]);
+  heights[which] = 0;
+  heights_.push_back(heights);
+  return fresh;
+}
+
+/// Keeps the part of `ring_` on which the height over a plane is not negative.
+void Silhouette::clip(int plane) {
+  const auto which = static_cast<std::size_t>(plane);
+  clipped_.clear();
+  for (std::size_t c = 0; c < ring_.size(); ++c) {
+    const Corner& here = ring_[c];
+    const std::uint32_t next = ring_[c + 1 == ring_.size() ? 0 : c + 1].vertex;
+    const bool in = heights_[here.vertex][which] >= 0, next_in = heights_[next][which] >= 0;
+    if (in) clipped_.push_back(here);
+    if (in == next_in) continue;
+    const std::uint32_t at = cut(plane, here.edge, here.vertex, next);
+    clipped_.push_back({at, in ? none : here.edge});
+  }
+  ring_.swap(clipped_);
+}
+
+void Silhouette::add_sides(const Plane3& plane, std::span<const Vec3d> receiver) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Vec3d& p : receiver) {
+    const double d = plane.distance(p);
+    low = std::min(low, d);
+    high = std::max(high, d);
+  }
+  const bool turns = low < 0 && high > 0;
+  const double sign = low >= 0 ? 1 : -1;
+  const auto number = static_cast<std::uint32_t>(planes_.size());
+  if (turns) planes_.push_back(plane);
+  for (std::size_t c = 0; c < ring_.size(); ++c) {
+    const std::uint32_t from = ring_[c].vertex, to = ring_[c + 1 == ring_.size() ? 0 : c + 1].vertex;
+    const auto fresh = static_cast<std::uint32_t>(edges_.size());
+    const std::uint32_t e = ring_[c].edge == none ? fresh : edge_of_.at(ring_[c].edge, fresh);
+    if (e == fresh) edges_.push_back({from, to, 0, 0, 0});
+    const double direction = edges_[e].from == from ? 1 : -1;
+    if (turns)
+      pending_.push_back({e, {number, direction}});
+    else
+      edges_[e].step += direction * sign;
+  }
+}
+
+/// Sorts the turning polygons to their edges, and forgets edges without a step and vertices without an edge.
+void Silhouette::drop_inner_edges() {
+  if (!pending_.empty())
+    std::stable_sort(pending_.begin(), pending_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  used_.assign(vertices_.size(), none);
+  std::size_t kept = 0, next = 0, vertex_count = 0;
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    Edge edge = edges_[e];
+    edge.first = static_cast<std::uint32_t>(turning_.size());
+    for (; next < pending_.size() && pending_[next].first == e; ++next) turning_.push_back(pending_[next].second);
+    edge.last = static_cast<std::uint32_t>(turning_.size());
+    if (edge.step == 0 && edge.first == edge.last) continue;
+    for (std::uint32_t* v : {&edge.from, &edge.to}) {
+      if (used_[*v] == none) used_[*v] = static_cast<std::uint32_t>(vertex_count++);
+      *v = used_[*v];
+    }
+    edges_[kept++] = edge;
+  }
+  edges_.resize(kept);
+  // In the order of their first use, so they move through a second vector.
+  moved_.resize(vertex_count);
+  for (std::size_t v = 0; v < vertices_.size(); ++v)
+    if (used_[v] != none) moved_[used_[v]] = vertices_[v];
+  vertices_.swap(moved_);
+}
+
+void Silhouette::build(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
+                       std::span<const Vec3d> receiver, const Plane3& receiver_plane, const Plane3& source_plane) {
+  clear();
+  vertex_of_.forget(occluders.vertices.size());
+  edge_of_.forget(occluders.edges.size());
+  for (Memory& memory : cut_of_) memory.forget(occluders.edges.size());
+  // A hair below the horizon, so that no edge lies on that of a source which reaches down to it.
+  Plane3 horizon = receiver_plane;
+  double slack = 0;
+  for (std::uint32_t k : blockers) slack = std::max(slack, occluders.slack[k]);
+  horizon.offset -= slack;
+  for (std::uint32_t k : blockers) {
+    ring_.clear();
+    double over_receiver = 0, over_source = 0;
+    for (std::uint32_t c = occluders.corner_offsets[k]; c < occluders.corner_offsets[k + 1]; ++c) {
+      const std::uint32_t v = vertex(occluders, occluders.corner_vertices[c], horizon, source_plane);
+      ring_.push_back({v, occluders.corner_edges[c]});
+      over_receiver = std::max(over_receiver, heights_[v][0]);
+      over_source = std::max(over_source, heights_[v][1]);
+    }
+    if (over_receiver - slack <= occluders.slack[k] || over_source <= occluders.slack[k]) continue;
+    for (int plane = 0; plane < 2 && ring_.size() >= 3; ++plane) clip(plane);
+    if (ring_.size() < 3) continue;
+    ++polygon_count_;
+    add_sides(occluders.planes[k], receiver);
+  }
+  drop_inner_edges();
+}
+
+void Silhouette::add_polygon(std::span<const Vec3d> polygon, const Plane3& plane) {
+  ++polygon_count_;
+  const auto number = static_cast<std::uint32_t>(planes_.size());
+  const auto first = static_cast<std::uint32_t>(vertices_.size());
+  planes_.push_back(plane);
+  for (std::uint32_t c = 0; c < polygon.size(); ++c) {
+    vertices_.push_back(polygon[c]);
+    const auto side = static_cast<std::uint32_t>(turning_.size());
+    turning_.push_back({number, 1});
+    edges_.push_back({first + c, first + (c + 1 == polygon.size() ? 0 : c + 1), 0, side, side + 1});
+  }
+}
+
+}  // namespace penumbra
