@@ -155,7 +155,10 @@ TEST(MatrixSolvers, TheErrorStaysBelowItsBound) {
       options.max_iterations = limit;
       const auto solution = solve_radiosity(name, problem, factors, options);
       EXPECT_LE(largest_difference(solution.radiosity, exact.radiosity), solution.error_bound + 1e-12) << name;
-      EXPECT_LT(solution.error_bound, name == "direct" ? 1e-9 : last) << name;
+      // A shot may raise the largest unshot radiosity; sweeps and bounces lower the largest residual.
+      if (name != "shooting") {
+        EXPECT_LT(solution.error_bound, name == "direct" ? 1e-9 : last) << name;
+      }
       last = solution.error_bound;
     }
   }

@@ -10,11 +10,12 @@
 #include "penumbra/radiosity/solvers/gauss_seidel.h"
 #include "penumbra/radiosity/solvers/jacobi.h"
 #include "penumbra/radiosity/solvers/progressive.h"
+#include "penumbra/radiosity/solvers/shooting.h"
 
 namespace penumbra {
 namespace {
 
-constexpr std::array<std::string_view, 4> names{"direct", "jacobi", "gauss-seidel", "progressive"};
+constexpr std::array<std::string_view, 5> names{"direct", "jacobi", "gauss-seidel", "shooting", "progressive"};
 
 }  // namespace
 
@@ -25,6 +26,7 @@ RadiositySolution solve_radiosity(std::string_view name, const RadiosityProblem&
   if (name == "direct") return solve_direct(problem, factors, options);
   if (name == "jacobi") return solve_jacobi(problem, factors, options);
   if (name == "gauss-seidel") return solve_gauss_seidel(problem, factors, options);
+  if (name == "shooting") return solve_shooting(problem, factors, options);
   if (name == "progressive") return solve_progressive(problem, factors, options);
   throw std::invalid_argument(fmt::format("unknown radiosity solver '{}' (solvers: {})", name, fmt::join(names, ", ")));
 }
