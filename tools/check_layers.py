@@ -20,6 +20,7 @@ MAY_INCLUDE = {
     "tracing/shading": ["math", "parallel", "image", "scene", "tracing"],
     "radiosity": ["math", "parallel", "scene", "tracing", "tracing/shading"],
     "radiosity/form_factors": ["math", "parallel", "scene", "tracing", "radiosity"],
+    "radiosity/leaks": ["math", "parallel", "scene"],
     "radiosity/solvers": ["math", "parallel", "scene", "tracing", "radiosity", "radiosity/form_factors"],
     "radiosity/meshing": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity",
                           "radiosity/form_factors", "radiosity/solvers"],

@@ -76,12 +76,16 @@ void check(const SceneOptions& options) {
   }
 }
 
-void add_scene_options(OptionParser& parser, SceneOptions& options) {
+void add_scene_source(OptionParser& parser, SceneOptions& options) {
   parser.positional("SCENE", "a .glb, .gltf or .obj file, or builtin:NAME?key=value (penumbra scene --list shows them)",
                     options.source);
   parser.group("Scene");
   parser.value("--unit", "mm|cm|m|in", "length of one unit of an OBJ file (default: m); glTF is in metres",
                [&](const OptionValue& v) { options.unit = choice<double>(v, units); });
+}
+
+void add_scene_options(OptionParser& parser, SceneOptions& options) {
+  add_scene_source(parser, options);
   parser.value("--environment", "R,G,B|FILE",
                "light from everywhere outside: a radiance in W/(m^2 sr), or a latitude-longitude picture (.hdr, .exr, "
                ".png; +Y up, "

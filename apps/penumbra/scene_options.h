@@ -21,6 +21,9 @@ struct SceneOptions {
 /// Adds SCENE and its options. `options` must outlive `parser`'s last parse.
 void add_scene_options(OptionParser& parser, SceneOptions& options);
 
+/// Adds SCENE and --unit alone, for commands that take the file as it is.
+void add_scene_source(OptionParser& parser, SceneOptions& options);
+
 /// Throws UsageError when an option does not fit the scene's format.
 void check(const SceneOptions& options);
 
