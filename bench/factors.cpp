@@ -13,12 +13,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "penumbra/math/rng.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/form_factors/auto.h"
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
@@ -30,49 +32,79 @@ namespace {
 using namespace penumbra;
 using Clock = std::chrono::steady_clock;
 
-/// Appends the six walls of a cube, each as n x n squares (or twice as many triangles); `sign` +1: normals outwards.
-void append_cube(PatchMesh& mesh, std::vector<std::vector<std::uint32_t>>& faces, double lower, double upper, int n,
-                 int sign, bool triangles) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int end = 0; end < 2; ++end) {
-      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-      for (int v = 0; v <= n; ++v) {
-        for (int u = 0; u <= n; ++u) {
-          Vec3d p;
-          p[axis] = end != 0 ? upper : lower;
-          p[(axis + 1) % 3] = lower + (upper - lower) * u / n;
-          p[(axis + 2) % 3] = lower + (upper - lower) * v / n;
-          mesh.vertices.push_back(p);
-        }
-      }
-      const bool keep = (end != 0) == (sign > 0);
-      for (int v = 0; v < n; ++v) {
-        for (int u = 0; u < n; ++u) {
-          const auto at = [&](int du, int dv) {
-            return first + static_cast<std::uint32_t>((v + dv) * (n + 1) + u + du);
-          };
-          std::array<std::uint32_t, 4> q{at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
-          if (!keep) std::reverse(q.begin(), q.end());
-          if (triangles) {
-            faces.push_back({q[0], q[1], q[2]});
-            faces.push_back({q[0], q[2], q[3]});
-          } else {
-            faces.push_back({q.begin(), q.end()});
-          }
-        }
-      }
-    }
-  }
-}
+/// How a wall is cut up.
+enum class Pieces {
+  squares,
+  triangles,
+  uneven,  ///< triangles whose corners inside the walls are moved a little, so that no two lie in one plane
+};
 
-PatchMesh room_with_box(int n, bool triangles) {
-  PatchMesh mesh;
-  std::vector<std::vector<std::uint32_t>> faces;
-  append_cube(mesh, faces, 0, 1, n, -1, triangles);
-  append_cube(mesh, faces, 0.25, 0.75, n, +1, triangles);
-  mesh.surfaces.resize(faces.size());
-  for (std::uint32_t f = 0; f < faces.size(); ++f) add_patch(mesh, faces[f], f, f);
-  return mesh;
+/// The walls of cubes, corners shared.
+class CubeMesh {
+ public:
+  explicit CubeMesh(Pieces pieces) : pieces_(pieces) {}
+
+  /// Six walls, each as n x n squares or twice as many triangles; `sign` +1: normals outwards.
+  void append_cube(double lower, double upper, int n, int sign) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (int end = 0; end < 2; ++end)
+        for (int v = 0; v < n; ++v)
+          for (int u = 0; u < n; ++u) {
+            const auto at = [&](int du, int dv) {
+              std::array<int, 3> place{};
+              place[static_cast<std::size_t>(axis)] = end != 0 ? n : 0;
+              place[static_cast<std::size_t>((axis + 1) % 3)] = u + du;
+              place[static_cast<std::size_t>((axis + 2) % 3)] = v + dv;
+              return vertex(lower, upper, n, sign, place);
+            };
+            std::array<std::uint32_t, 4> q{at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
+            if ((end != 0) != (sign > 0)) std::reverse(q.begin(), q.end());
+            if (pieces_ == Pieces::squares) {
+              faces_.push_back({q.begin(), q.end()});
+            } else {
+              faces_.push_back({q[0], q[1], q[2]});
+              faces_.push_back({q[0], q[2], q[3]});
+            }
+          }
+  }
+
+  PatchMesh finish() {
+    mesh_.surfaces.resize(faces_.size());
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) add_patch(mesh_, faces_[f], f, f);
+    return std::move(mesh_);
+  }
+
+ private:
+  std::uint32_t vertex(double lower, double upper, int n, int sign, const std::array<int, 3>& place) {
+    const auto [at, fresh] = vertices_.emplace(std::pair{sign, place}, mesh_.vertices.size());
+    if (!fresh) return at->second;
+    Vec3d p;
+    int inside = 0, wall = 0;
+    for (int a = 0; a < 3; ++a) {
+      const int k = place[static_cast<std::size_t>(a)];
+      p[a] = lower + (upper - lower) * k / n;
+      if (k > 0 && k < n)
+        ++inside;
+      else
+        wall = a;
+    }
+    if (pieces_ == Pieces::uneven && inside == 2)
+      p[wall] += 0.2 * (upper - lower) / n * (0.5 - CounterRng(at->second).next());
+    mesh_.vertices.push_back(p);
+    return at->second;
+  }
+
+  Pieces pieces_;
+  PatchMesh mesh_;
+  std::vector<std::vector<std::uint32_t>> faces_;
+  std::map<std::pair<int, std::array<int, 3>>, std::uint32_t> vertices_;
+};
+
+PatchMesh room_with_box(int n, Pieces pieces) {
+  CubeMesh cubes(pieces);
+  cubes.append_cube(0, 1, n, -1);
+  cubes.append_cube(0.25, 0.75, n, +1);
+  return cubes.finish();
 }
 
 struct CoreTime {
@@ -247,6 +279,7 @@ struct Arguments {
   bool quick = false;
   double tolerance = 1e-4;
   std::vector<int> sizes;
+  std::vector<int> loose_sizes;
   std::vector<std::string> methods;
   bool reference = true;
 };
@@ -283,10 +316,12 @@ Arguments parse(int count, char** values) {
       a.methods = split_list(value());
     else if (key == "--sizes") {
       for (const std::string& s : split_list(value())) a.sizes.push_back(std::stoi(s));
+    } else if (key == "--loose-sizes") {
+      for (const std::string& s : split_list(value())) a.loose_sizes.push_back(std::stoi(s));
     } else {
       throw std::invalid_argument(
           "unknown option " + key +
-          "; known: --json FILE --quick --tolerance X --sizes n,n --methods a,b --no-reference");
+          "; known: --json FILE --quick --tolerance X --sizes n,n --loose-sizes n,n --methods a,b --no-reference");
     }
   }
   if (a.methods.empty())
@@ -309,7 +344,7 @@ void run(const Arguments& arguments) {
   print_header();
   std::vector<std::vector<Measured>> by_method(arguments.methods.size());
   for (int n : arguments.sizes) {
-    const PatchMesh mesh = room_with_box(n, false);
+    const PatchMesh mesh = room_with_box(n, Pieces::squares);
     FormFactorOptions options;
     options.tolerance = arguments.tolerance;
     std::optional<FactorMatrix> reference;
@@ -332,26 +367,28 @@ void run(const Arguments& arguments) {
       by_method[k].push_back(m);
     }
   }
-  // The same room in triangles without shared corners, as STL has it; and with every patch hiding for itself, as if no
-  // two lay in one plane.
+  // The same room in triangles; with every triangle hiding for itself; and with walls so uneven that no two triangles
+  // lie in one plane.
   struct Loose {
     const char* scene;
-    int n;
+    Pieces pieces;
     bool merge;
   };
-  std::vector<Loose> loose{{"triangles", 6, true}, {"unmerged", 3, false}};
-  if (!arguments.quick) loose.push_back({"triangles", 17, true});
-  for (const Loose& l : loose) {
-    const PatchMesh mesh = room_with_box(l.n, true);
-    FormFactorOptions options;
-    options.tolerance = arguments.tolerance;
-    Measured m = measure("auto", mesh, options, l.merge, nullptr);
-    m.method = "auto";
-    m.scene = l.scene;
-    m.n = l.n;
-    m.patches = mesh.patch_count();
-    print_row(m);
-    out["runs"].push_back(to_json(m));
+  const std::vector<int> loose_sizes = arguments.quick ? std::vector<int>{6} : std::vector<int>{6, 17};
+  for (const Loose& l : {Loose{"triangles", Pieces::triangles, true}, Loose{"unmerged", Pieces::triangles, false},
+                         Loose{"uneven", Pieces::uneven, true}}) {
+    for (int n : arguments.loose_sizes.empty() ? loose_sizes : arguments.loose_sizes) {
+      const PatchMesh mesh = room_with_box(n, l.pieces);
+      FormFactorOptions options;
+      options.tolerance = arguments.tolerance;
+      Measured m = measure("auto", mesh, options, l.merge, nullptr);
+      m.method = "auto";
+      m.scene = l.scene;
+      m.n = n;
+      m.patches = mesh.patch_count();
+      print_row(m);
+      out["runs"].push_back(to_json(m));
+    }
   }
   for (std::size_t k = 0; k < arguments.methods.size(); ++k) {
     if (by_method[k].size() < 2) continue;

@@ -83,6 +83,7 @@ struct AutoFormFactors::Impl::Worker {
   void patch_row(std::size_t a, std::size_t lane, std::size_t b);
   [[nodiscard]] std::uint32_t same_surface(std::size_t slot, std::size_t cluster) const;
   void find_blockers(std::size_t a, std::size_t lane, std::size_t b, std::uint32_t& facing);
+  void settle_steady_pairs(std::size_t slot, std::size_t b, std::uint32_t& facing);
   void refine_where_needed(std::size_t slot, std::size_t cluster, std::uint32_t facing);
   void patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling);
   [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j, double allowed);
@@ -104,6 +105,10 @@ struct AutoFormFactors::Impl::Worker {
   LaneExchange open;
   std::vector<std::uint32_t> listed;          // occluders between two clusters
   std::vector<std::uint32_t> in_doubt;        // per listed occluder: lanes that it may hide in part
+  std::vector<std::uint32_t> steady;          // ... of these: lanes where no line passes its outer edges
+  std::vector<std::uint64_t> outer;           // per listed occluder: its outer edges
+  std::size_t sides_of = ~std::size_t{0};     // the cluster that `sides` is about
+  std::vector<signed char> sides;             // per occluder
   std::vector<bool> back;                     // per listed occluder: seen from behind, fronts hide the same
   std::vector<std::size_t> table_a, table_b;  // per listed occluder: its corner distances in `tables`
   std::vector<double> tables;
@@ -186,9 +191,10 @@ void AutoFormFactors::Impl::Worker::find_blockers(std::size_t a, std::size_t lan
     const std::uint32_t k = listed[n];
     const LaneVisibility v =
         lane_visibility(impl.clusters, a, lane, tables.data() + table_a[n], b, tables.data() + table_b[n],
-                        impl.index.planes(k).size(), impl.occluders.slack[k], facing);
+                        impl.index.planes(k).size(), impl.occluders.slack[k], facing, outer[n]);
     facing &= ~v.hidden;
     in_doubt[n] = facing & ~v.visible;
+    steady[n] = v.steady;
     for (std::uint32_t rest = in_doubt[n] & v.straddling; rest != 0; rest &= rest - 1) {
       const auto l = static_cast<std::size_t>(std::countr_zero(rest));
       const std::uint32_t i = impl.clusters.patch[a * PatchClusters::lanes + lane];
@@ -198,6 +204,28 @@ void AutoFormFactors::Impl::Worker::find_blockers(std::size_t a, std::size_t lan
       if (s == Sight::hidden) facing &= ~(1U << l);
     }
     if (facing == 0) return;
+  }
+}
+
+/// Decides the pairs in doubt between which no line passes an outer edge of what may hide them: all lines are free or
+/// none, as one of them shows.
+void AutoFormFactors::Impl::Worker::settle_steady_pairs(std::size_t slot, std::size_t b, std::uint32_t& facing) {
+  std::uint32_t doubtful = 0, unsteady = 0;
+  for (std::size_t n = 0; n < listed.size(); ++n) {
+    if (back[n]) continue;
+    doubtful |= in_doubt[n];
+    unsteady |= in_doubt[n] & ~steady[n];
+  }
+  for (std::uint32_t rest = doubtful & ~unsteady & facing; rest != 0; rest &= rest - 1) {
+    const auto l = static_cast<std::size_t>(std::countr_zero(rest));
+    const std::uint32_t bit = 1U << l;
+    const Vec3d& p = impl.mesh.centroids[impl.clusters.patch[slot]];
+    const Vec3d& q = impl.mesh.centroids[impl.clusters.patch[b * PatchClusters::lanes + l]];
+    bool hidden = false;
+    for (std::size_t n = 0; n < listed.size() && !hidden; ++n)
+      hidden = (in_doubt[n] & bit) != 0 && !back[n] && impl.index.cuts(p, q, listed[n]);
+    if (hidden) facing &= ~bit;
+    for (std::uint32_t& lanes : in_doubt) lanes &= ~bit;
   }
 }
 
@@ -232,6 +260,8 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
   if (impl.options.between_surfaces_only) facing &= ~same_surface(slot, b);
   if (facing == 0) return;
   find_blockers(a, lane, b, facing);
+  settle_steady_pairs(slot, b, facing);
+  if (facing == 0) return;
   if (!surveys) refine_where_needed(slot, b, facing);
   for (std::uint32_t rest = facing; rest != 0; rest &= rest - 1) {
     const auto l = static_cast<std::size_t>(std::countr_zero(rest));
@@ -261,9 +291,16 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
   table_a.clear();
   table_b.clear();
   in_doubt.assign(listed.size(), 0);
+  steady.assign(listed.size(), 0);
   back.clear();
+  outer.clear();
+  if (!listed.empty() && sides_of != a) {
+    sides = impl.index.sides(first);
+    sides_of = a;
+  }
   for (std::uint32_t k : listed) {
     back.push_back(impl.index.is_back(first, k));
+    outer.push_back(impl.index.outer_edges(k, sides));
     const auto planes = impl.index.planes(k);
     const auto append = [&](std::size_t cluster, std::vector<std::size_t>& at) {
       at.push_back(used);

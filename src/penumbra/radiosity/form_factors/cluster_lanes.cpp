@@ -195,7 +195,7 @@ void corner_distances_lanes(const PatchClusters& c, std::size_t index, std::span
 
 LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, std::size_t lane,
                                      const double* first_table, std::size_t second, const double* second_table,
-                                     std::size_t planes, double slack, std::uint32_t wanted) {
+                                     std::size_t planes, double slack, std::uint32_t wanted, std::uint64_t outer) {
   const D d;
   const std::size_t n = hn::Lanes(d);
   const std::size_t na = c.clusters[first].corner_count, nb = c.clusters[second].corner_count;
@@ -221,7 +221,7 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
     M visible = hn::Or(hn::And(a_front, b_front), hn::And(a_back, b_back));
     const M across = hn::AndNot(visible, hn::Or(hn::And(a_front, b_back), hn::And(a_back, b_front)));
     out.straddling |= bits_of(hn::Not(hn::Or(visible, across))) << l;
-    M hidden = across;
+    M hidden = across, steady = across;
     if (!hn::AllFalse(d, across)) {
       for (std::size_t e = 1; e < planes; ++e) {
         V low = set(1e300), high = set(-1e300);
@@ -237,12 +237,16 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
           }
         }
         visible = hn::Or(visible, hn::And(across, hn::Le(high, zero)));
-        hidden = hn::And(hidden, hn::Ge(low, zero));
+        const M inside = hn::Ge(low, zero);
+        hidden = hn::And(hidden, inside);
+        if (e > 63 || ((outer >> (e - 1)) & 1) != 0) steady = hn::And(steady, inside);
       }
       hidden = hn::AndNot(visible, hidden);
+      steady = hn::AndNot(visible, steady);
     }
     out.visible |= bits_of(visible) << l;
     out.hidden |= bits_of(hidden) << l;
+    out.steady |= bits_of(steady) << l;
   }
   return out;
 }
@@ -275,9 +279,9 @@ void corner_distances(const PatchClusters& clusters, std::size_t cluster, std::s
 
 LaneVisibility lane_visibility(const PatchClusters& clusters, std::size_t first, std::size_t lane,
                                const double* first_table, std::size_t second, const double* second_table,
-                               std::size_t planes, double slack, std::uint32_t wanted) {
+                               std::size_t planes, double slack, std::uint32_t wanted, std::uint64_t outer) {
   return HWY_DYNAMIC_DISPATCH(lane_visibility_lanes)(clusters, first, lane, first_table, second, second_table, planes,
-                                                     slack, wanted);
+                                                     slack, wanted, outer);
 }
 
 }  // namespace penumbra

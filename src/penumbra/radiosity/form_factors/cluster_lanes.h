@@ -36,14 +36,17 @@ struct LaneVisibility {
   std::uint32_t visible = 0;     ///< the occluder leaves every line between the two patches free
   std::uint32_t hidden = 0;      ///< it cuts all of them
   std::uint32_t straddling = 0;  ///< its plane cuts through one of them: undecided
+  std::uint32_t steady = 0;      ///< no line between the two patches leaves it across an outer edge
 };
 
 /// How an occluder stands between the patch in lane `lane` of cluster `first` and each patch of cluster `second`. Exact
 /// up to `slack`: the test function is bilinear in the segment's ends, so corners decide.
 /// @param planes of the occluder: its own, then one through each edge, perpendicular to it, inwards. @param
-/// first_table, second_table their corner_distances. @param wanted only these lanes need an answer.
+/// first_table, second_table their corner_distances. @param wanted only these lanes need an answer. @param outer bit e:
+/// behind edge e nothing goes on hiding (from 63 on: always).
 [[nodiscard]] LaneVisibility lane_visibility(const PatchClusters& clusters, std::size_t first, std::size_t lane,
                                              const double* first_table, std::size_t second, const double* second_table,
-                                             std::size_t planes, double slack, std::uint32_t wanted);
+                                             std::size_t planes, double slack, std::uint32_t wanted,
+                                             std::uint64_t outer);
 
 }  // namespace penumbra
