@@ -1,9 +1,16 @@
 #include "penumbra/radiosity/form_factors/silhouette.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace penumbra {
+namespace {
+
+// Squared sine of an angle; vertices are moved by 1e-8 of their polygons' size.
+constexpr double straight = 1e-13;
+
+}  // namespace
 
 void Silhouette::Memory::forget(std::size_t size) {
   if (value.size() < size) {
@@ -79,7 +86,17 @@ void Silhouette::clip(int plane) {
   ring_.swap(clipped_);
 }
 
-void Silhouette::add_sides(const Plane3& plane, std::span<const Vec3d> receiver) {
+/// The number of a plane; neighbours that lie in one plane turn as one.
+std::uint32_t Silhouette::turning_plane(const Plane3& plane, double slack) {
+  const auto same = std::find_if(planes_.begin(), planes_.end(), [&](const Plane3& p) {
+    return std::abs(p.offset - plane.offset) <= slack && length_squared(p.normal - plane.normal) <= 1e-18;
+  });
+  const auto number = static_cast<std::uint32_t>(same - planes_.begin());
+  if (same == planes_.end()) planes_.push_back(plane);
+  return number;
+}
+
+void Silhouette::add_sides(const Plane3& plane, double slack, std::span<const Vec3d> receiver) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Vec3d& p : receiver) {
     const double d = plane.distance(p);
@@ -88,8 +105,7 @@ void Silhouette::add_sides(const Plane3& plane, std::span<const Vec3d> receiver)
   }
   const bool turns = low < 0 && high > 0;
   const double sign = low >= 0 ? 1 : -1;
-  const auto number = static_cast<std::uint32_t>(planes_.size());
-  if (turns) planes_.push_back(plane);
+  const std::uint32_t number = turns ? turning_plane(plane, slack) : none;
   for (std::size_t c = 0; c < ring_.size(); ++c) {
     const std::uint32_t from = ring_[c].vertex, to = ring_[c + 1 == ring_.size() ? 0 : c + 1].vertex;
     const auto fresh = static_cast<std::uint32_t>(edges_.size());
@@ -103,17 +119,64 @@ void Silhouette::add_sides(const Plane3& plane, std::span<const Vec3d> receiver)
   }
 }
 
-/// Sorts the turning polygons to their edges, and forgets edges without a step and vertices without an edge.
-void Silhouette::drop_inner_edges() {
-  if (!pending_.empty())
-    std::stable_sort(pending_.begin(), pending_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  used_.assign(vertices_.size(), none);
-  std::size_t kept = 0, next = 0, vertex_count = 0;
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    Edge edge = edges_[e];
+/// Sorts the turning polygons to their edges; two of one plane on either side of an edge are none.
+void Silhouette::assign_turning_polygons() {
+  if (pending_.empty()) return;
+  std::stable_sort(pending_.begin(), pending_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t k = 0; k < pending_.size();) {
+    Edge& edge = edges_[pending_[k].first];
     edge.first = static_cast<std::uint32_t>(turning_.size());
-    for (; next < pending_.size() && pending_[next].first == e; ++next) turning_.push_back(pending_[next].second);
+    const std::uint32_t e = pending_[k].first;
+    for (; k < pending_.size() && pending_[k].first == e; ++k) {
+      const Turning& t = pending_[k].second;
+      const auto opposite = std::find_if(turning_.begin() + edge.first, turning_.end(), [&](const Turning& u) {
+        return u.plane == t.plane && u.direction == -t.direction;
+      });
+      if (opposite == turning_.end()) {
+        turning_.push_back(t);
+      } else {
+        turning_.erase(opposite);
+      }
+    }
     edge.last = static_cast<std::uint32_t>(turning_.size());
+  }
+}
+
+/// Makes one edge of two that go straight on, where nothing else meets them: rims of walls that were cut into pieces.
+void Silhouette::join_straight_edges() {
+  meeting_.assign(vertices_.size(), {});
+  const auto is_rim = [](const Edge& e) { return e.step != 0 || e.first != e.last; };
+  for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+    if (!is_rim(edges_[e])) continue;
+    for (std::uint32_t v : {edges_[e].from, edges_[e].to}) {
+      Meeting& at = meeting_[v];
+      if (at.count < 2) at.edges[at.count] = e;
+      ++at.count;
+    }
+  }
+  for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
+    const Meeting& at = meeting_[v];
+    if (at.count != 2 || at.edges[0] == at.edges[1]) continue;
+    Edge& into = edges_[at.edges[0]];
+    Edge& out = edges_[at.edges[1]];
+    if (into.first != into.last || out.first != out.last) continue;
+    if (into.from == v) into = {into.to, into.from, -into.step, 0, 0};
+    if (out.to == v) out = {out.to, out.from, -out.step, 0, 0};
+    if (into.step != out.step || into.from == out.to) continue;
+    const Vec3d a = vertices_[v] - vertices_[into.from], b = vertices_[out.to] - vertices_[v];
+    if (!(dot(a, b) > 0) || length_squared(cross(a, b)) > straight * length_squared(a) * length_squared(b)) continue;
+    into.to = out.to;
+    out.step = 0;
+    for (std::uint32_t& e : meeting_[into.to].edges)
+      if (e == at.edges[1]) e = at.edges[0];
+  }
+}
+
+/// Forgets edges without a step and vertices without an edge.
+void Silhouette::drop_inner_edges() {
+  used_.assign(vertices_.size(), none);
+  std::size_t kept = 0, vertex_count = 0;
+  for (Edge edge : edges_) {
     if (edge.step == 0 && edge.first == edge.last) continue;
     for (std::uint32_t* v : {&edge.from, &edge.to}) {
       if (used_[*v] == none) used_[*v] = static_cast<std::uint32_t>(vertex_count++);
@@ -153,8 +216,10 @@ void Silhouette::build(const OccluderPolygons& occluders, std::span<const std::u
     for (int plane = 0; plane < 2 && ring_.size() >= 3; ++plane) clip(plane);
     if (ring_.size() < 3) continue;
     ++polygon_count_;
-    add_sides(occluders.planes[k], receiver);
+    add_sides(occluders.planes[k], occluders.slack[k], receiver);
   }
+  assign_turning_polygons();
+  join_straight_edges();
   drop_inner_edges();
 }
 

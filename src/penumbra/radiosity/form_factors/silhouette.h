@@ -59,6 +59,11 @@ class Silhouette {
     std::uint32_t vertex;
     std::uint32_t edge;  // the occluders' edge to the next corner, or none where a plane cut
   };
+  /// The edges that end in a vertex, the first two of them.
+  struct Meeting {
+    std::uint32_t count = 0;
+    std::array<std::uint32_t, 2> edges{};
+  };
   /// A map from small numbers that forgets all at once.
   struct Memory {
     std::vector<std::uint32_t> value, age;
@@ -71,7 +76,10 @@ class Silhouette {
                        const Plane3& source);
   void clip(int plane);
   std::uint32_t cut(int plane, std::uint32_t edge, std::uint32_t a, std::uint32_t b);
-  void add_sides(const Plane3& plane, std::span<const Vec3d> receiver);
+  std::uint32_t turning_plane(const Plane3& plane, double slack);
+  void add_sides(const Plane3& plane, double slack, std::span<const Vec3d> receiver);
+  void assign_turning_polygons();
+  void join_straight_edges();
   void drop_inner_edges();
 
   std::size_t polygon_count_ = 0;
@@ -83,6 +91,7 @@ class Silhouette {
   std::vector<std::array<double, 2>> heights_;  // per vertex: over the receiver's and the source's plane
   std::vector<Corner> ring_, clipped_;
   std::vector<std::pair<std::uint32_t, Turning>> pending_;  // edge, polygon
+  std::vector<Meeting> meeting_;
   std::vector<std::uint32_t> used_;
   std::vector<Vec3d> moved_;
   Memory vertex_of_, edge_of_;
