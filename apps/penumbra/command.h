@@ -13,6 +13,8 @@ namespace penumbra::cli {
 [[nodiscard]] int run_compare(const std::vector<std::string>& arguments);
 /// Computes the form factors of a mesh.
 [[nodiscard]] int run_factors(const std::vector<std::string>& arguments);
+/// Computes the exchange of heat by radiation between grey, diffuse surfaces.
+[[nodiscard]] int run_exchange(const std::vector<std::string>& arguments);
 /// Looks for leaks and odd numbers in a scene.
 [[nodiscard]] int run_check(const std::vector<std::string>& arguments);
 /// Lists the built-in scenes, or writes one as a file.

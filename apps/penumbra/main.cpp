@@ -25,6 +25,7 @@ struct Command {
 constexpr Command commands[] = {
     {"render", "draws a picture of a scene", run_render},
     {"factors", "computes the form factors (view factors) of a mesh", run_factors},
+    {"exchange", "computes the exchange of heat by radiation between surfaces", run_exchange},
     {"check", "looks for holes where light leaks, and for odd numbers in a scene", run_check},
     {"compare", "measures how far two pictures lie apart", run_compare},
     {"scene", "lists the built-in scenes, or writes one as a file", run_scene},
