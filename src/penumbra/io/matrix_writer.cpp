@@ -9,65 +9,16 @@
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/output_file.h"
+#include "penumbra/io/npy_array.h"
 #include "penumbra/io/spool_file.h"
 #include "penumbra/io/zip_writer.h"
 
 namespace penumbra {
 namespace {
 
-// NumPy's format 1.0: magic, version, length of a Python literal that describes the array, padded to 64 bytes.
-std::string npy_header(std::string_view type, std::string_view shape) {
-  std::string literal = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
-  constexpr std::size_t before = 10;
-  literal.append(63 - (before + literal.size()) % 64, ' ');
-  literal += '\n';
-  std::string header("\x93NUMPY\x01\x00", 8);
-  header += static_cast<char>(literal.size() & 0xFF);
-  header += static_cast<char>(literal.size() >> 8);
-  return header + literal;
-}
-
 template <class T>
 std::string_view raw(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-// One code point of UTF-8; what is not UTF-8 becomes U+FFFD.
-char32_t take_code_point(std::string_view& text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char lead = byte(0);
-  const std::size_t size = lead < 0x80 ? 1 : lead >= 0xF0 && lead < 0xF8 ? 4 : lead >= 0xE0 ? 3 : lead >= 0xC0 ? 2 : 0;
-  char32_t point = lead < 0x80 ? lead : lead & (0xFFU >> (size + 1));
-  bool good = size > 0 && size <= text.size() && lead < 0xF8;
-  for (std::size_t i = 1; good && i < size; ++i) {
-    good = (byte(i) & 0xC0U) == 0x80U;
-    point = point << 6 | (byte(i) & 0x3FU);
-  }
-  good = good && point <= 0x10FFFF && !(point >= 0xD800 && point <= 0xDFFF);
-  text.remove_prefix(good ? size : 1);
-  return good ? point : U'\uFFFD';
-}
-
-std::u32string code_points(std::string_view text) {
-  std::u32string points;
-  while (!text.empty()) points += take_code_point(text);
-  return points;
-}
-
-// NumPy's '<U': the same number of code points for each, padded with zeros.
-std::string npy_names(const std::vector<std::string>& names) {
-  std::vector<std::u32string> points;
-  std::size_t width = 1;
-  for (const std::string& name : names) {
-    points.push_back(code_points(name));
-    width = std::max(width, points.back().size());
-  }
-  std::string array = npy_header(fmt::format("<U{}", width), fmt::format("({},)", names.size()));
-  for (std::u32string& name : points) {
-    name.resize(width);
-    array.append(reinterpret_cast<const char*>(name.data()), 4 * width);
-  }
-  return array;
 }
 
 class NpzWriter final : public MatrixWriter {
@@ -92,9 +43,9 @@ class NpzWriter final : public MatrixWriter {
     zip.add("format.npy", npy_header("|S3", "()") + "csr");
     zip.add("shape.npy", npy_header("<i8", "(2,)") + std::string(raw(shape)));
     zip.add("data.npy", npy_header("<f8", entries), data_);
-    zip.add("area.npy", npy_header("<f8", fmt::format("({},)", rows)) + std::string(raw(description.areas)));
-    zip.add("name.npy", npy_names(description.names));
-    zip.add("partial.npy", npy_header("|b1", "()") + std::string(1, description.partial ? '\1' : '\0'));
+    zip.add("area.npy", npy_array(description.areas));
+    zip.add("name.npy", npy_array(description.names));
+    zip.add("partial.npy", npy_truth(description.partial));
     zip.finish();
     out_.commit();
   }
