@@ -24,8 +24,10 @@ MAY_INCLUDE = {
     "radiosity/solvers": ["math", "parallel", "scene", "tracing", "radiosity", "radiosity/form_factors"],
     "radiosity/meshing": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity",
                           "radiosity/form_factors", "radiosity/solvers"],
+    "radiosity/pipeline": ["math", "parallel", "scene", "radiosity", "radiosity/form_factors", "radiosity/meshing",
+                           "radiosity/solvers"],
     "render": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity", "radiosity/meshing",
-               "radiosity/solvers"],
+               "radiosity/solvers", "radiosity/pipeline"],
 }
 FOREIGN = {"embree3/": "tracing/ray_tracer", "draco/": "io/", "OpenEXR/": "image/", "webp/": "image/",
            "tbb/": "parallel/", "nlohmann/": "io/", "zlib.h": ("image/", "io/"), "stb_image": "image/"}

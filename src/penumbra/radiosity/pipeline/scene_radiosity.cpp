@@ -1,0 +1,151 @@
+#include "penumbra/radiosity/pipeline/scene_radiosity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "penumbra/radiosity/direct_irradiance.h"
+#include "penumbra/radiosity/meshing/uniform.h"
+#include "penumbra/radiosity/solvers/factor_rows.h"
+#include "penumbra/radiosity/solvers/shooting.h"
+#include "penumbra/radiosity/solvers/solver.h"
+
+namespace penumbra {
+namespace {
+
+// What a matrix takes while it is assembled, bytes: a third of all pairs see each other, 24 bytes a factor.
+constexpr double bytes_a_pair = 8;
+// A side sees a closed scene when its factors sum to this much, and the scene looks closed when most sides do.
+constexpr double full_row = 0.98;
+constexpr double most_sides = 0.9;
+constexpr double negligible_leak = 1e-4;  // of the power emitted
+
+class Stopwatch {
+ public:
+  /// Seconds since the last call.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(began_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+void make_elements(const Scene& scene, const RadiositySetupOptions& options, RadiositySetup& setup) {
+  MeshingOptions meshing;
+  if (options.subdivision == Subdivision::uniform) {
+    meshing.element_size = options.element_size;
+    meshing.element_count = options.element_size > 0 ? 0 : options.element_count;
+  }
+  MadePatchMesh made = make_uniform_elements(scene, meshing);
+  setup.mesh = std::move(made.mesh);
+  setup.warnings = std::move(made.warnings);
+  if (setup.mesh.surface_count() == 0) {
+    throw std::invalid_argument("the scene has no surface, so there is nothing to distribute light on");
+  }
+  if (!options.front_sides_only) return;
+  for (std::size_t i = 0; i < setup.mesh.surface_count(); ++i) {
+    if (!setup.mesh.surfaces[i].back) continue;
+    for (std::size_t b = 0; b < 3; ++b) setup.mesh.reflectance[3 * i + b] = setup.mesh.emission[3 * i + b] = 0;
+  }
+}
+
+void refuse_what_does_not_fit(const RadiositySetupOptions& options, std::size_t elements) {
+  const double bytes = bytes_a_pair * static_cast<double>(elements) * static_cast<double>(elements);
+  if (options.factor_memory <= 0 || bytes <= options.factor_memory) return;
+  throw std::invalid_argument(
+      fmt::format("{} elements need about {:.0f} GB for their form factors, and {:.0f} GB are free; use fewer "
+                  "(--elements N, --element-size M), or --solver shooting --form-factors hemicube, which keeps no "
+                  "matrix",
+                  elements, bytes / 1e9, options.factor_memory / 1e9));
+}
+
+// Area-weighted share of the sides that see anything and see a closed scene.
+bool looks_closed(const RadiositySetup& setup) {
+  double seeing = 0, closed = 0;
+  for (std::size_t i = 0; i < setup.factors.rows(); ++i) {
+    const double sum = setup.factors.row_sum(i), area = setup.mesh.surfaces[i].area;
+    if (sum == 0) continue;
+    seeing += area;
+    if (sum > full_row) closed += area;
+  }
+  return seeing > 0 && closed > most_sides * seeing;
+}
+
+// The power that may have escaped by the factors' errors alone, W.
+double escape_by_errors(const RadiositySetup& setup, const RadiositySolution& solution) {
+  double power = 0;
+  for (std::size_t i = 0; i < setup.factors.rows(); ++i) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      power += setup.mesh.surfaces[i].area * solution.radiosity[3 * i + b] * setup.factors.row_errors[i];
+    }
+  }
+  return power;
+}
+
+double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& solution) {
+  double power = 0;
+  for (std::size_t i = 0; i < setup.mesh.surface_count(); ++i) {
+    if (!setup.mesh.surfaces[i].back) continue;
+    for (std::size_t b = 0; b < 3; ++b) power += setup.mesh.surfaces[i].area * solution.irradiance[3 * i + b];
+  }
+  return power;
+}
+
+}  // namespace
+
+std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const RadiositySetupOptions& options,
+                                                     const Progress& progress) {
+  auto setup = std::make_unique<RadiositySetup>();
+  setup->solver = options.solver;
+  setup->front_sides_only = options.front_sides_only;
+  Stopwatch watch;
+  progress.tell("mesh", 0);
+  make_elements(scene, options, *setup);
+  setup->problem = make_radiosity_problem(setup->mesh);
+  setup->seconds.mesh = watch.lap();
+
+  DirectIrradiance direct = direct_irradiance(scene, setup->mesh, {.seed = options.seed, .progress = progress});
+  setup->problem.irradiance = std::move(direct.irradiance);
+  setup->problem.light_power = std::move(direct.light_power);
+  setup->seconds.direct = watch.lap();
+
+  FormFactorOptions factor_options = options.factors;
+  factor_options.seed = options.seed;
+  auto method = make_form_factor_method(options.form_factors, setup->mesh, factor_options);
+  if (options.solver == "shooting" && method->computes_rows()) {
+    setup->row_method = std::move(method);
+  } else {
+    refuse_what_does_not_fit(options, setup->mesh.surface_count());
+    setup->factors = assemble_factor_matrix(*method, setup->mesh, progress);
+  }
+  setup->partial = direct.partial || setup->factors.partial;
+  setup->seconds.form_factors = watch.lap();
+  return setup;
+}
+
+SceneRadiosity solve(const RadiositySetup& setup, const SolverOptions& options) {
+  SceneRadiosity result;
+  RadiositySolution& solution = result.solution;
+  if (setup.row_method) {
+    solution = solve_shooting(setup.problem, MethodRows(*setup.row_method, setup.mesh), options);
+  } else {
+    solution = solve_radiosity(setup.solver, setup.problem, setup.factors, options);
+  }
+  solution.partial = solution.partial || setup.partial;
+  if (setup.front_sides_only) {
+    result.absorbed_by_backs = absorbed_by_backs(setup, solution);
+    solution.energy.absorbed -= result.absorbed_by_backs;
+  }
+  const double explained = 2 * escape_by_errors(setup, solution) + negligible_leak * solution.energy.emitted;
+  if (!solution.partial && solution.energy.escaped > explained && looks_closed(setup)) {
+    result.leak = solution.energy.escaped;
+  }
+  return result;
+}
+
+}  // namespace penumbra
