@@ -9,6 +9,8 @@ namespace penumbra::cli {
 
 /// Draws a picture of a scene.
 [[nodiscard]] int run_render(const std::vector<std::string>& arguments);
+/// Solves the diffuse light of a scene.
+[[nodiscard]] int run_bake(const std::vector<std::string>& arguments);
 /// Measures how far two pictures lie apart.
 [[nodiscard]] int run_compare(const std::vector<std::string>& arguments);
 /// Computes the form factors of a mesh.

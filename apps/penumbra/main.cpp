@@ -24,6 +24,7 @@ struct Command {
 
 constexpr Command commands[] = {
     {"render", "draws a picture of a scene", run_render},
+    {"bake", "solves the diffuse light of a scene once, for every view", run_bake},
     {"factors", "computes the form factors (view factors) of a mesh", run_factors},
     {"exchange", "computes the exchange of heat by radiation between surfaces", run_exchange},
     {"check", "looks for holes where light leaks, and for odd numbers in a scene", run_check},

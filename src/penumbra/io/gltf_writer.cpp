@@ -148,6 +148,10 @@ class GltfWriter {
     save(path);
   }
 
+  void add_notes(const std::map<std::string, std::string>& notes) {
+    for (const auto& [name, text] : notes) root_["scenes"][0]["extras"]["penumbra"]["baked"][name] = text;
+  }
+
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::move(warnings_); }
 
  private:
@@ -583,9 +587,11 @@ class GltfWriter {
 
 }  // namespace
 
-std::vector<std::string> write_glb(const std::filesystem::path& path, const Scene& scene) {
+std::vector<std::string> write_glb(const std::filesystem::path& path, const Scene& scene,
+                                   const std::map<std::string, std::string>& notes) {
   validate(scene);
   GltfWriter writer(scene);
+  writer.add_notes(notes);
   writer.write(path);
   return writer.take_warnings();
 }

@@ -1,0 +1,71 @@
+#include "bake_arguments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "penumbra/file/output_file.h"
+#include "report.h"
+#include "usage_error.h"
+
+namespace penumbra::cli {
+namespace {
+
+constexpr double most_stops = 64;
+const std::vector<std::pair<std::string, std::string>> profiles{{"vertex", "vertex"}};
+
+void check_output(const BakeArguments& a) {
+  if (a.output.empty()) throw UsageError("no file to write to; add -o OUT, such as -o solution.npz or -o lit.glb");
+  const std::string extension = std::filesystem::path(a.output).extension().string();
+  const std::vector<std::string> known{".npz", ".csv", ".ply", ".vtu", ".glb"};
+  if (std::find(known.begin(), known.end(), extension) == known.end()) {
+    throw UsageError(fmt::format("-o {}: a solution is written as {}; end the name in one of them", a.output,
+                                 fmt::join(known, ", ")));
+  }
+  const bool coloured = extension == ".glb" || extension == ".ply";
+  if (a.profile && extension != ".glb") throw UsageError("--profile belongs to a .glb output");
+  if (a.exposure && !coloured) {
+    throw UsageError("--exposure belongs to .glb and .ply outputs; " + extension + " holds the values themselves");
+  }
+  if (a.common.stats == a.output) {
+    throw UsageError("--stats and -o both name " + a.output + "; give the report a name of its own");
+  }
+  check_creatable(a.output);
+}
+
+}  // namespace
+
+std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>& arguments) {
+  BakeArguments result;
+  OptionParser parser("bake", "SCENE -o OUT [options]", "solves the diffuse light of a scene once, for every view");
+  parser.group("Output");
+  parser.value("-o,--output", "OUT",
+               "the file to write: .npz or .csv (the solution, a row for each side of an element), .ply or .vtu (the "
+               "elements with their values), or .glb (for viewers)",
+               [&](const OptionValue& v) { result.output = v.text; });
+  parser.value("--profile", "vertex",
+               "how a .glb carries the light: vertex is radiance B / pi as linear vertex colours of unlit materials "
+               "(default: vertex)",
+               [&](const OptionValue& v) { result.profile = choice<std::string>(v, profiles); });
+  parser.value("--exposure", "EV",
+               "brighten colours by this many stops, a factor of 2 each, before they are cut at 1 (default: 0)",
+               [&](const OptionValue& v) {
+                 result.exposure = real_number(v, "a number of stops (EV) from -64 to 64");
+                 if (std::abs(*result.exposure) > most_stops) {
+                   throw UsageError("--exposure takes a number of stops (EV) from -64 to 64, not '" + v.text + "'");
+                 }
+               });
+  add_radiosity_options(parser, result.radiosity);
+  add_scene_options(parser, result.scene);
+  add_common_options(parser, result.common);
+  parser.examples({"penumbra bake builtin:cornell-box --elements 10000 -o cornell.npz",
+                   "penumbra bake room.glb --solver progressive --profile vertex --exposure 1 -o lit.glb"});
+  if (!parser.parse(arguments)) return std::nullopt;
+  check(result.scene);
+  check(result.radiosity);
+  check_output(result);
+  check_report(result.common);
+  return result;
+}
+
+}  // namespace penumbra::cli

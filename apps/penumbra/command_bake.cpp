@@ -1,0 +1,152 @@
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "bake_arguments.h"
+#include "command.h"
+#include "console.h"
+#include "exit_code.h"
+#include "interrupt.h"
+#include "penumbra/parallel/parallel_for.h"
+#include "report.h"
+#include "solution_file.h"
+
+namespace penumbra::cli {
+namespace {
+
+/// Where the time of a bake went, s.
+struct Seconds {
+  double load = 0, solve = 0, write = 0;
+};
+
+/// A number that JSON can hold: infinite ones are null.
+Report finite_or_null(double x) { return std::isfinite(x) ? Report(x) : Report(nullptr); }
+
+Report report_on(const BakeArguments& arguments, const RadiositySetup& setup, const SceneRadiosity& solved,
+                 const Seconds& seconds, const std::vector<std::string>& warnings) {
+  const RadiositySolution& s = solved.solution;
+  return {{"command", "bake"},
+          {"version", PENUMBRA_VERSION},
+          {"scene", arguments.scene.source},
+          {"output", arguments.output},
+          {"solver", arguments.radiosity.solver},
+          {"form_factors", arguments.radiosity.form_factors},
+          {"seed", arguments.common.seed},
+          {"elements", setup.mesh.surface_count()},
+          {"links", setup.factors.values.size()},
+          {"iterations", s.iterations},
+          {"converged", s.converged},
+          {"residual", s.residuals},
+          {"unshot_fraction", s.unshot_fraction},
+          {"energy",
+           {{"emitted", s.energy.emitted},
+            {"absorbed", s.energy.absorbed},
+            {"escaped", s.energy.escaped},
+            {"absorbed_by_backs", solved.absorbed_by_backs},
+            {"unshot", s.energy.unshot}}},
+          {"error_bound", finite_or_null(s.error_bound)},
+          {"seconds",
+           {{"load", seconds.load},
+            {"mesh", setup.seconds.mesh},
+            {"form_factors", setup.seconds.form_factors},
+            {"direct", setup.seconds.direct},
+            {"solve", seconds.solve},
+            {"gather", 0.0},
+            {"write", seconds.write}}},
+          {"threads", thread_count()},
+          {"peak_rss_bytes", peak_memory()},
+          {"partial", s.partial},
+          {"warnings", warnings}};
+}
+
+std::vector<std::string> remarks(const BakeArguments& arguments, const SceneRadiosity& solved) {
+  constexpr double notable = 0.01;
+  std::vector<std::string> sentences;
+  const EnergyBalance& energy = solved.solution.energy;
+  if (solved.leak > 0) {
+    sentences.push_back(
+        fmt::format("{:.2g} % of the light escapes although the scene looks closed; penumbra check {} "
+                    "shows where it leaks",
+                    100 * solved.leak / energy.emitted, arguments.scene.source));
+  }
+  if (solved.absorbed_by_backs > notable * energy.emitted) {
+    sentences.push_back(
+        fmt::format("{:.2g} % of the light ends on backs, which are black with --sides front; penumbra "
+                    "check {} names flipped faces",
+                    100 * solved.absorbed_by_backs / energy.emitted, arguments.scene.source));
+  }
+  if (!solved.solution.converged && !solved.solution.partial) {
+    sentences.push_back(fmt::format(
+        "the solution has not converged after {} iterations (residual {:.2g}); raise "
+        "--max-iterations",
+        solved.solution.iterations, solved.solution.residuals.empty() ? 0.0 : solved.solution.residuals.back()));
+  }
+  return sentences;
+}
+
+void say_result(const BakeArguments& arguments, const RadiositySetup& setup, const SceneRadiosity& solved,
+                const Seconds& seconds, Console& console) {
+  const RadiositySolution& s = solved.solution;
+  if (s.partial) {
+    console.insist(arguments.output + ": partial solution, the computation was stopped; light is missing");
+  }
+  const double all = s.energy.emitted > 0 ? s.energy.emitted : 1;
+  console.say(fmt::format(
+      "{}: {} elements, {} links, {} iterations ({}), {:.4g} W emitted, {:.1f} % absorbed, {:.1f} % "
+      "escaped, {:.2f} s",
+      arguments.output, setup.mesh.surface_count(), setup.factors.values.size(), s.iterations,
+      arguments.radiosity.solver, s.energy.emitted, 100 * s.energy.absorbed / all, 100 * s.energy.escaped / all,
+      seconds.load + setup.seconds.mesh + setup.seconds.direct + setup.seconds.form_factors + seconds.solve +
+          seconds.write));
+}
+
+int bake_scene(const BakeArguments& arguments) {
+  Console console(arguments.common);
+  Interrupt interrupt;  // before the first thread of the work
+  const ThreadLimit limit(arguments.common.threads);
+  Seconds seconds;
+
+  const Stopwatch load_watch;
+  console.progress("load", 0);
+  std::vector<std::string> warnings;
+  const Scene scene = load_scene(arguments.scene, warnings);
+  console.warn(warnings);
+  seconds.load = load_watch.seconds();
+
+  const Progress progress{[&](std::string_view stage, double fraction) { console.progress(stage, fraction); },
+                          interrupt.token()};
+  interrupt.something_to_keep();
+  const auto setup = make_radiosity_setup(
+      scene, setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed), progress);
+  console.warn(setup->warnings);
+  warnings.insert(warnings.end(), setup->warnings.begin(), setup->warnings.end());
+
+  const Stopwatch solve_watch;
+  SolverOptions options = solver_options(arguments.radiosity);
+  options.progress = progress;
+  const SceneRadiosity solved = solve(*setup, options);
+  seconds.solve = solve_watch.seconds();
+
+  const Stopwatch write_watch;
+  console.progress("write", 0);
+  std::vector<std::string> said =
+      write_solution(arguments.output, diffuse_solution(scene, setup->mesh, solved.solution), scene,
+                     {arguments.exposure.value_or(0), arguments.scene.photometric});
+  for (std::string& sentence : remarks(arguments, solved)) said.push_back(std::move(sentence));
+  console.warn(said);
+  warnings.insert(warnings.end(), said.begin(), said.end());
+  seconds.write = write_watch.seconds();
+
+  say_result(arguments, *setup, solved, seconds, console);
+  write_report(arguments.common, report_on(arguments, *setup, solved, seconds, warnings));
+  return interrupt.requested() ? exit_interrupted : exit_done;
+}
+
+}  // namespace
+
+int run_bake(const std::vector<std::string>& arguments) {
+  const auto parsed = parse_bake_arguments(arguments);
+  return parsed ? bake_scene(*parsed) : exit_done;
+}
+
+}  // namespace penumbra::cli

@@ -1,0 +1,179 @@
+#include "radiosity_options.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <initializer_list>
+
+#include "penumbra/radiosity/solvers/solver.h"
+#include "usage_error.h"
+
+namespace penumbra::cli {
+namespace {
+
+constexpr long long most_elements = 100'000'000;
+constexpr long long most_iterations = 1'000'000'000;
+constexpr double share_of_free_memory = 0.8;
+
+const std::vector<std::pair<std::string, Subdivision>> subdivisions{{"none", Subdivision::none},
+                                                                    {"uniform", Subdivision::uniform}};
+
+template <class Names>
+std::vector<std::pair<std::string, std::string>> choices_of(const Names& names) {
+  std::vector<std::pair<std::string, std::string>> choices;
+  for (const std::string_view name : names) choices.emplace_back(name, name);
+  return choices;
+}
+
+double above_zero(const OptionValue& v, std::string_view what) {
+  const double x = real_number(v, what);
+  if (!(x > 0)) throw UsageError(fmt::format("{} takes {}, not '{}'", v.option, what, v.text));
+  return x;
+}
+
+void add_mesh_options(OptionParser& parser, RadiosityOptions& o) {
+  parser.value("--subdivide", "none|uniform",
+               "none keeps one element an input polygon, uniform cuts all to one size (default: uniform)",
+               [&](const OptionValue& v) {
+                 o.subdivision = choice<Subdivision>(v, subdivisions);
+                 o.given = true;
+               });
+  parser.value("--element-size", "M",
+               "longest edge of an element, m; a rectangle becomes a grid of ceil(edge / M) each way",
+               [&](const OptionValue& v) {
+                 o.element_size = above_zero(v, "a length in metres above 0");
+                 o.given = true;
+               });
+  parser.value("--elements", "N", "cut the scene into about this many elements, both sides counted (default: 5000)",
+               [&](const OptionValue& v) {
+                 o.elements = static_cast<std::size_t>(whole_number(v, 1, most_elements, "elements"));
+                 o.given = true;
+               });
+}
+
+void add_factor_options(OptionParser& parser, RadiosityOptions& o) {
+  parser.value("--form-factors", "NAME",
+               "point, nusselt, hemicube, analytic, adaptive, ray-cast or auto (default: auto)",
+               [&](const OptionValue& v) {
+                 o.form_factors = choice<std::string>(v, choices_of(form_factor_method_names()));
+                 o.given = true;
+               });
+  parser.value("--factor-tolerance", "X",
+               "for each element, the sum over j of |error of F_ij| is at most this (auto, adaptive; ray-cast at its 3 "
+               "sigma) (default: 1e-3)",
+               [&](const OptionValue& v) {
+                 o.factor_tolerance = above_zero(v, "a number above 0, such as 1e-3");
+                 o.given = true;
+               });
+  parser.value("--rays", "N", "rays an element (ray-cast) (default: doubled until the tolerance is met)",
+               [&](const OptionValue& v) {
+                 o.rays = static_cast<int>(whole_number(v, 16, 1 << 28, "rays an element"));
+                 o.given = true;
+               });
+  parser.value("--resolution", "N", "pixels along the hemicube's top, even (hemicube) (default: 128)",
+               [&](const OptionValue& v) {
+                 o.resolution = static_cast<int>(whole_number(v, 2, 4096, "pixels"));
+                 if (*o.resolution % 2 != 0)
+                   throw UsageError("--resolution takes an even number, not '" + v.text + "'");
+                 o.given = true;
+               });
+}
+
+void add_iteration_options(OptionParser& parser, RadiosityOptions& o) {
+  parser.value("--tolerance", "R",
+               "stop when the largest residual is at most this share of the largest emission (default: 1e-4)",
+               [&](const OptionValue& v) {
+                 o.tolerance = real_number(v, "a number of 0 or more, such as 1e-4");
+                 if (*o.tolerance < 0) throw UsageError("--tolerance takes 0 or more, not '" + v.text + "'");
+                 o.given = true;
+               });
+  parser.value("--stop-at", "FRACTION",
+               "stop when this share of the emitted energy was shot (shooting, progressive) (default: 0.9999)",
+               [&](const OptionValue& v) {
+                 o.stop_at = real_number(v, "a share above 0 and at most 1");
+                 if (!(*o.stop_at > 0 && *o.stop_at <= 1)) {
+                   throw UsageError("--stop-at takes a share above 0 and at most 1, not '" + v.text + "'");
+                 }
+                 o.given = true;
+               });
+  parser.value("--max-iterations", "N",
+               "stop after this many sweeps, bounces or shots (default: when it has converged)",
+               [&](const OptionValue& v) {
+                 o.max_iterations = static_cast<std::size_t>(whole_number(v, 1, most_iterations, "iterations"));
+                 o.given = true;
+               });
+}
+
+double free_memory() {
+  return static_cast<double>(::sysconf(_SC_AVPHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+void add_radiosity_options(OptionParser& parser, RadiosityOptions& o) {
+  parser.group("Radiosity");
+  parser.value("--solver", "NAME",
+               "direct (dense LU, small scenes), jacobi, gauss-seidel, shooting (the brightest shoot first) or "
+               "progressive (bounce by bounce) (default: gauss-seidel)",
+               [&](const OptionValue& v) {
+                 o.solver = choice<std::string>(v, choices_of(solver_names()));
+                 o.given = true;
+               });
+  add_mesh_options(parser, o);
+  add_factor_options(parser, o);
+  add_iteration_options(parser, o);
+}
+
+void check(const RadiosityOptions& o) {
+  const auto only_for = [](bool given, std::string_view option, std::string_view choice_option,
+                           const std::string& chosen, std::initializer_list<std::string_view> those) {
+    if (!given || std::find(those.begin(), those.end(), chosen) != those.end()) return;
+    throw UsageError(fmt::format("{} does not apply to {} {}; it belongs to {}", option, choice_option, chosen,
+                                 fmt::join(those, ", ")));
+  };
+  const auto iterative = {std::string_view("jacobi"), std::string_view("gauss-seidel"), std::string_view("shooting"),
+                          std::string_view("progressive")};
+  only_for(o.tolerance.has_value(), "--tolerance", "--solver", o.solver, iterative);
+  only_for(o.max_iterations.has_value(), "--max-iterations", "--solver", o.solver, iterative);
+  only_for(o.stop_at.has_value(), "--stop-at", "--solver", o.solver, {"shooting", "progressive"});
+  only_for(o.factor_tolerance.has_value(), "--factor-tolerance", "--form-factors", o.form_factors,
+           {"auto", "adaptive", "ray-cast"});
+  only_for(o.rays.has_value(), "--rays", "--form-factors", o.form_factors, {"ray-cast"});
+  only_for(o.resolution.has_value(), "--resolution", "--form-factors", o.form_factors, {"hemicube"});
+  if (o.rays && o.factor_tolerance) {
+    throw UsageError("--rays fixes the work, --factor-tolerance lets it grow; give one of them");
+  }
+  if (o.subdivision == Subdivision::none && (o.element_size || o.elements)) {
+    throw UsageError(fmt::format("{} does not apply to --subdivide none, which keeps the input polygons; leave it away",
+                                 o.element_size ? "--element-size" : "--elements"));
+  }
+  if (o.element_size && o.elements) {
+    throw UsageError("--element-size and --elements both set the size of elements; give one of them");
+  }
+}
+
+RadiositySetupOptions setup_options(const RadiosityOptions& o, bool front_sides_only, std::uint64_t seed) {
+  RadiositySetupOptions setup;
+  setup.subdivision = o.subdivision;
+  setup.element_size = o.element_size.value_or(0);
+  setup.element_count = o.elements.value_or(setup.element_count);
+  setup.front_sides_only = front_sides_only;
+  setup.form_factors = o.form_factors;
+  setup.factors.tolerance = o.factor_tolerance.value_or(1e-3);
+  setup.factors.rays = o.rays.value_or(0);
+  setup.factors.resolution = o.resolution.value_or(0);
+  setup.solver = o.solver;
+  setup.factor_memory = share_of_free_memory * free_memory();
+  setup.seed = seed;
+  return setup;
+}
+
+SolverOptions solver_options(const RadiosityOptions& o) {
+  SolverOptions solver;
+  solver.tolerance = o.tolerance.value_or(solver.tolerance);
+  solver.stop_at = o.stop_at.value_or(solver.stop_at);
+  solver.max_iterations = o.max_iterations.value_or(0);
+  return solver;
+}
+
+}  // namespace penumbra::cli

@@ -1,0 +1,81 @@
+#include "penumbra/radiosity/meshing/vertex_coloured_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "penumbra/radiosity/meshing/shading_mesh.h"
+
+namespace penumbra {
+namespace {
+
+/// Reflectance and emission of an element: what makes its vertices different from its neighbours'.
+using Paint = std::array<double, 6>;
+
+Paint paint_of(const PatchMesh& elements, std::size_t element) {
+  Paint paint;
+  for (std::size_t b = 0; b < 3; ++b) {
+    paint[b] = elements.reflectance[3 * element + b];
+    paint[3 + b] = elements.emission[3 * element + b];
+  }
+  return paint;
+}
+
+/// An object's mesh as it grows.
+struct Growing {
+  Mesh mesh;
+  std::map<std::pair<std::uint32_t, Paint>, std::uint32_t> vertex_of;
+};
+
+}  // namespace
+
+Scene vertex_coloured_scene(const PatchMesh& elements, std::span<const double> irradiance, double scale,
+                            std::span<const std::string> object_names) {
+  const ShadingMesh shading = make_shading_mesh(elements);
+  const std::vector<double> light = shading.at_vertices(irradiance, 3);
+  std::map<std::uint32_t, Growing> objects;
+  for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
+    const std::uint32_t element = shading.element_of_triangle[t];
+    const PatchSurface& surface = elements.surfaces[element];
+    if (surface.back) continue;
+    Growing& object = objects[surface.object];
+    const Paint paint = paint_of(elements, element);
+    Mesh::Triangle corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = shading.triangles[t][k];
+      const auto [found, fresh] =
+          object.vertex_of.try_emplace({v, paint}, static_cast<std::uint32_t>(object.mesh.positions.size()));
+      corners[k] = found->second;
+      if (!fresh) continue;
+      object.mesh.positions.push_back(shading.positions[v]);
+      Vec4f colour(0, 0, 0, 1);
+      for (std::size_t b = 0; b < 3; ++b) {
+        const double radiosity = paint[3 + b] + paint[b] * std::max(0.0, light[3 * v + b]);
+        colour[static_cast<int>(b)] = static_cast<float>(std::clamp(scale * radiosity, 0.0, 1.0));
+      }
+      object.mesh.colours.push_back(colour);
+    }
+    object.mesh.triangles.push_back(corners);
+  }
+
+  Scene scene;
+  Material material;
+  material.name = "baked";
+  material.base_colour = Rgb(1.0F);
+  material.unlit = true;
+  material.double_sided = true;
+  scene.materials.push_back(material);
+  for (auto& [number, object] : objects) {
+    object.mesh.name = object_names[number];
+    scene.meshes.push_back(std::move(object.mesh));
+    scene.instances.push_back({.name = object_names[number],
+                               .mesh = static_cast<std::uint32_t>(scene.meshes.size() - 1),
+                               .to_world = Mat4d(1.0)});
+  }
+  return scene;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "penumbra/radiosity/patch_mesh.h"
+#include "penumbra/scene/scene.h"
+
+namespace penumbra {
+
+/// A solution as a scene that any viewer shows as it is: the fronts of the elements as triangles with smooth vertex
+/// colours and one unlit, double-sided material; a mesh for each object.
+///
+/// Irradiance is interpolated as ShadingMesh does and multiplied by each element's own reflectance; emission is added.
+/// Vertices between elements of different reflectance or emission are doubled, so that borders of colours stay sharp.
+/// @param irradiance of the elements, [element * 3 + band], W/m^2. @param scale from radiosity to colour; colours are
+/// linear and cut at 1, as glTF asks. @param object_names by the objects' numbers.
+[[nodiscard]] Scene vertex_coloured_scene(const PatchMesh& elements, std::span<const double> irradiance, double scale,
+                                          std::span<const std::string> object_names);
+
+}  // namespace penumbra
