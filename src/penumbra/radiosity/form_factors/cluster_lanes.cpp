@@ -220,10 +220,26 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
     const M a_front = low_a >= -slack ? all : none, a_back = high_a <= slack ? all : none;
     M visible = hn::Or(hn::And(a_front, b_front), hn::And(a_back, b_back));
     const M across = hn::AndNot(visible, hn::Or(hn::And(a_front, b_back), hn::And(a_back, b_front)));
-    out.straddling |= bits_of(hn::Not(hn::Or(visible, across))) << l;
+    const M straddling = hn::Not(hn::Or(visible, across));
     M hidden = across, steady = across;
-    if (!hn::AllFalse(d, across)) {
-      for (std::size_t e = 1; e < planes; ++e) {
+    // All lines pass the occluder's plane between the edge distances of their ends, weighted by the ends' heights.
+    for (std::size_t e = 1; e < planes; ++e) {
+      double low_ea = 1e300, high_ea = -1e300;
+      for (std::size_t a = 0; a < na; ++a) {
+        const double ea = first_table[(e * na + a) * lanes + lane];
+        low_ea = std::min(low_ea, ea);
+        high_ea = std::max(high_ea, ea);
+      }
+      V low_eb = set(1e300), high_eb = set(-1e300);
+      for (std::size_t b = 0; b < nb; ++b) {
+        const V eb = hn::LoadU(d, second_table + (e * nb + b) * lanes + l);
+        low_eb = hn::Min(low_eb, eb);
+        high_eb = hn::Max(high_eb, eb);
+      }
+      if (high_ea <= slack) visible = hn::Or(visible, hn::Le(high_eb, tiny));
+      M inside = low_ea >= -slack ? hn::Ge(low_eb, minus_tiny) : none;
+      const M open = hn::AndNot(hn::Or(visible, inside), across);
+      if (!hn::AllFalse(d, open)) {
         V low = set(1e300), high = set(-1e300);
         for (std::size_t a = 0; a < na; ++a) {
           const V wa = set(std::abs(first_table[a * lanes + lane])), ea = set(first_table[(e * na + a) * lanes + lane]);
@@ -237,13 +253,15 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
           }
         }
         visible = hn::Or(visible, hn::And(across, hn::Le(high, zero)));
-        const M inside = hn::Ge(low, zero);
-        hidden = hn::And(hidden, inside);
-        if (e > 63 || ((outer >> (e - 1)) & 1) != 0) steady = hn::And(steady, inside);
+        inside = hn::Or(inside, hn::Ge(low, zero));
       }
-      hidden = hn::AndNot(visible, hidden);
-      steady = hn::AndNot(visible, steady);
+      hidden = hn::And(hidden, inside);
+      if (e > 63 || ((outer >> (e - 1)) & 1) != 0) steady = hn::And(steady, inside);
+      if (hn::AllTrue(d, visible)) break;
     }
+    hidden = hn::AndNot(visible, hidden);
+    steady = hn::AndNot(visible, steady);
+    out.straddling |= bits_of(hn::AndNot(visible, straddling)) << l;
     out.visible |= bits_of(visible) << l;
     out.hidden |= bits_of(hidden) << l;
     out.steady |= bits_of(steady) << l;

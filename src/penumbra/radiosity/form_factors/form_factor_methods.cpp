@@ -4,12 +4,13 @@
 
 #include "penumbra/radiosity/form_factors/adaptive.h"
 #include "penumbra/radiosity/form_factors/auto.h"
+#include "penumbra/radiosity/form_factors/contact_factors.h"
 #include "penumbra/radiosity/form_factors/form_factor_method.h"
 #include "penumbra/radiosity/form_factors/hemicube.h"
 #include "penumbra/radiosity/form_factors/pair_methods.h"
 #include "penumbra/radiosity/form_factors/ray_cast.h"
 
-// The methods by name. A new one is added to `names` and to make_form_factor_method.
+// The methods by name. A new one is added to `names` and to make_by_name.
 
 namespace penumbra {
 namespace {
@@ -39,12 +40,8 @@ std::unique_ptr<FormFactorMethod> make_ray_cast_of(const PatchMesh& mesh, const 
   return make_ray_cast(mesh, rays);
 }
 
-}  // namespace
-
-std::span<const std::string_view> form_factor_method_names() { return names; }
-
-std::unique_ptr<FormFactorMethod> make_form_factor_method(std::string_view name, const PatchMesh& mesh,
-                                                          const FormFactorOptions& options) {
+std::unique_ptr<FormFactorMethod> make_by_name(std::string_view name, const PatchMesh& mesh,
+                                               const FormFactorOptions& options) {
   if (name == "point") return make_point(mesh);
   if (name == "nusselt") return make_nusselt(mesh);
   if (name == "hemicube") return make_hemicube_of(mesh, options);
@@ -56,6 +53,15 @@ std::unique_ptr<FormFactorMethod> make_form_factor_method(std::string_view name,
   std::string known;
   for (std::string_view n : names) known += (known.empty() ? "" : ", ") + std::string(n);
   throw std::invalid_argument("unknown form factor method \"" + std::string(name) + "\"; known are: " + known);
+}
+
+}  // namespace
+
+std::span<const std::string_view> form_factor_method_names() { return names; }
+
+std::unique_ptr<FormFactorMethod> make_form_factor_method(std::string_view name, const PatchMesh& mesh,
+                                                          const FormFactorOptions& options) {
+  return with_contacts(make_by_name(name, mesh, options), mesh);
 }
 
 }  // namespace penumbra

@@ -158,14 +158,19 @@ struct Crossings {
 /// Scratch doubles for one vector of points, at most.
 std::size_t scratch_size(std::size_t source_corners, std::size_t vertices, std::size_t edges, std::size_t planes) {
   const std::size_t lanes = 8;
-  return lanes * (6 * source_corners + 5 * vertices + source_corners * (vertices + edges) + 6 * edges + planes);
+  return lanes * (6 * source_corners + 3 * vertices + source_corners * (vertices + edges) + 8 * edges + planes);
 }
 
 /// One vector of points and what it sees.
 class View {
  public:
-  View(const VisibleFragments::Input& in, V3 point, const Vec3d& normal, double* scratch)
-      : in_(in), ns_(in.source.size()), nv_(in.vertices.size()), ne_(in.edges.size()), point_(point) {
+  View(const VisibleFragments::Input& in, V3 point, const Vec3d& normal, double* scratch, std::uint32_t* before)
+      : in_(in),
+        ns_(in.source.size()),
+        nv_(in.vertices.size()),
+        ne_(in.edges.size()),
+        point_(point),
+        before_source_(before) {
     up_ = {set(normal.x), set(normal.y), set(normal.z)};
     const auto take = [&](std::size_t vectors) {
       double* const taken = scratch;
@@ -179,8 +184,8 @@ class View {
     sides_ = take(3 * ne_);
     steps_ = take(ne_);
     source_in_ = take(ns_ * ne_);
-    across_ = take(nv_);
-    meridian_ = take(nv_);
+    starts_ = take(ne_);
+    ends_ = take(ne_);
     signs_ = take(in.planes.size());
     crossings_.places = take(ne_);
     crossings_.changes = take(ne_);
@@ -188,8 +193,9 @@ class View {
 
   HWY_INLINE V factor() {
     look();
-    V sum = source_edges();
-    for (std::size_t e = 0; e < ne_; ++e) sum = hn::Sub(sum, silhouette_edge(e));
+    const V covering = covering_first_corner();
+    V sum = source_edges(covering);
+    for (std::size_t n = 0; n < before_count_; ++n) sum = hn::Sub(sum, silhouette_edge(before_source_[n], covering));
     return hn::Max(hn::Zero(D()), hn::Mul(sum, set(0.15915494309189533577)));
   }
 
@@ -225,97 +231,104 @@ class View {
       hn::StoreU(step, d, steps_ + n_ * e);
       for (std::size_t a = 0; a < ns_; ++a)
         hn::StoreU(dot3(side, vector(source_, a)), d, source_in_ + n_ * (a * ne_ + e));
+      V lo = hn::Zero(d), hi = hn::IfThenElse(hn::Eq(step, hn::Zero(d)), set(-1), set(1));
+      for (std::size_t a = 0; a < ns_; ++a)
+        cut_interval(load(vertex_sides_, a * nv_ + edge.from), load(vertex_sides_, a * nv_ + edge.to), lo, hi);
+      if (hn::AllFalse(d, hn::Gt(hi, lo))) continue;
+      hn::StoreU(lo, d, starts_ + n_ * e);
+      hn::StoreU(hi, d, ends_ + n_ * e);
+      before_source_[before_count_++] = static_cast<std::uint32_t>(e);
     }
   }
 
-  /// Prepares winding numbers about the direction `m`: on which side of the half-plane from the normal through m the
-  /// vertices are.
-  void set_meridian(const V3& m) {
-    const D d;
-    V3 across = cross3(m, up_);
-    across.x = hn::Add(across.x, set(1e-290));  // right above any half-plane does
-    for (std::size_t v = 0; v < nv_; ++v) hn::StoreU(dot3(across, vector(vertices_, v)), d, meridian_ + n_ * v);
-  }
-
-  /// What edge e adds to the winding number, `in` being positive where the direction is on its left.
-  HWY_INLINE V winding(std::size_t e, V in) const {
+  /// How many polygons cover the source's first corner: the winding number of the steps about it, from their crossings
+  /// with the half-plane from the normal through the corner (Sunday 2001).
+  HWY_INLINE V covering_first_corner() const {
     const V zero = hn::Zero(D());
-    const M from = hn::Gt(load(meridian_, in_.edges[e].from), zero),
-            to = hn::Gt(load(meridian_, in_.edges[e].to), zero);
-    const M left = hn::Gt(in, zero);
-    const V step = load(steps_, e);
-    const M upwards = hn::And(hn::AndNot(from, to), left), downwards = hn::AndNot(hn::Or(to, left), from);
-    return hn::Sub(hn::IfThenElseZero(upwards, step), hn::IfThenElseZero(downwards, step));
+    V3 across = cross3(vector(source_, in_.first_corner), up_);
+    across.x = hn::Add(across.x, set(1e-290));  // right above any half-plane does
+    V covering = zero;
+    for (std::size_t e = 0; e < ne_; ++e) {
+      const M from = hn::Gt(dot3(across, vector(vertices_, in_.edges[e].from)), zero);
+      const M to = hn::Gt(dot3(across, vector(vertices_, in_.edges[e].to)), zero);
+      const M left = hn::Gt(load(source_in_, in_.first_corner * ne_ + e), zero);
+      const V step = load(steps_, e);
+      const M upwards = hn::And(hn::AndNot(from, to), left), downwards = hn::AndNot(hn::Or(to, left), from);
+      covering = hn::Add(covering, hn::IfThenElseZero(upwards, step));
+      covering = hn::Sub(covering, hn::IfThenElseZero(downwards, step));
+    }
+    return covering;
   }
 
-  HWY_INLINE V source_edges() {
-    const D d;
-    const V zero = hn::Zero(d), one = set(1);
+  /// How the covering changes along a stretch that crosses edge e: f0 and f1 say whether its ends are left of the edge,
+  /// g0 and g1 on which side of it the edge's ends are.
+  HWY_INLINE V change_across(std::size_t e, V f0, V f1, V g0, V g1) const {
+    const V zero = hn::Zero(D());
+    const M in0 = hn::Gt(f0, zero), in1 = hn::Gt(f1, zero);
+    const M crosses = hn::And(hn::Xor(in0, in1), hn::Xor(hn::Gt(g0, zero), hn::Gt(g1, zero)));
+    const V step = load(steps_, e);
+    return hn::IfThenElseZero(crosses, hn::IfThenElse(in1, step, hn::Neg(step)));
+  }
+
+  HWY_INLINE void add_crossing(V change, V f0, V f1) {
+    const M crosses = hn::Ne(change, hn::Zero(D()));
+    if (hn::AllFalse(D(), crosses)) return;
+    crossings_.insert(hn::IfThenElse(crosses, hn::Div(f0, hn::Sub(f0, f1)), set(2)), change);
+  }
+
+  HWY_INLINE V source_edges(V covering) {
+    V sum = hn::Zero(D());
     std::size_t a = in_.first_corner;
-    set_meridian(vector(source_, a));
-    V covering = zero;
-    for (std::size_t e = 0; e < ne_; ++e) covering = hn::Add(covering, winding(e, load(source_in_, a * ne_ + e)));
-    V sum = zero;
-    for (std::size_t turn = 0; turn < ns_; ++turn, a = a + 1 == ns_ ? 0 : a + 1) {
+    for (std::size_t turn = 0; turn < ns_; ++turn) {
       const std::size_t b = a + 1 == ns_ ? 0 : a + 1;
       crossings_.count = 0;
-      V change = zero;
-      for (std::size_t e = 0; e < ne_; ++e) {
+      V change = hn::Zero(D());
+      for (std::size_t n = 0; n < before_count_; ++n) {
+        const std::size_t e = before_source_[n];
         const V f0 = load(source_in_, a * ne_ + e), f1 = load(source_in_, b * ne_ + e);
-        const M in0 = hn::Gt(f0, zero), in1 = hn::Gt(f1, zero);
-        const M from = hn::Gt(load(vertex_sides_, a * nv_ + in_.edges[e].from), zero);
-        const M to = hn::Gt(load(vertex_sides_, a * nv_ + in_.edges[e].to), zero);
-        const V step = load(steps_, e);
-        const M crosses = hn::And(hn::And(hn::Xor(in0, in1), hn::Xor(from, to)), hn::Ne(step, zero));
-        if (hn::AllFalse(d, crosses)) continue;
-        const V entered = hn::IfThenElseZero(crosses, hn::IfThenElse(in1, step, hn::Neg(step)));
-        crossings_.insert(hn::IfThenElse(crosses, hn::Div(f0, hn::Sub(f0, f1)), set(2)), entered);
+        const V entered = change_across(e, f0, f1, load(vertex_sides_, a * nv_ + in_.edges[e].from),
+                                        load(vertex_sides_, a * nv_ + in_.edges[e].to));
+        add_crossing(entered, f0, f1);
         change = hn::Add(change, entered);
       }
       const Arc arc = make_arc(vector(source_, a), vector(source_, b), vector(source_sides_, a), up_);
-      sum = hn::MulAdd(arc.weight, crossings_.open_angle(arc, covering, zero, one), sum);
+      sum = hn::MulAdd(arc.weight, crossings_.open_angle(arc, covering, hn::Zero(D()), set(1)), sum);
       covering = hn::Add(covering, change);
+      a = b;
     }
     return sum;
   }
 
-  /// What the part of edge e that is a rim of the visible part takes from Lambert's sum.
-  HWY_INLINE V silhouette_edge(std::size_t e) {
-    const D d;
-    const V zero = hn::Zero(d);
+  /// What the part of edge e that is a rim of the visible part takes from Lambert's sum, when `covering` polygons cover
+  /// the source's first corner. From there a straight way within the source leads to the middle of the part before it.
+  HWY_INLINE V silhouette_edge(std::size_t e, V covering) {
+    const V zero = hn::Zero(D());
     const V step = load(steps_, e);
-    const std::uint32_t v0 = in_.edges[e].from, v1 = in_.edges[e].to;
-    V lo = zero, hi = hn::IfThenElse(hn::Eq(step, zero), set(-1), set(1));
-    for (std::size_t a = 0; a < ns_; ++a)
-      cut_interval(load(vertex_sides_, a * nv_ + v0), load(vertex_sides_, a * nv_ + v1), lo, hi);
-    if (hn::AllFalse(d, hn::Gt(hi, lo))) return zero;
-
-    const V3 p = vector(vertices_, v0), q = vector(vertices_, v1), side = vector(sides_, e);
-    const V half = set(0.5);
-    const V3 middle{hn::Mul(half, hn::Add(p.x, q.x)), hn::Mul(half, hn::Add(p.y, q.y)),
-                    hn::Mul(half, hn::Add(p.z, q.z))};
-    set_meridian(middle);
-    for (std::size_t v = 0; v < nv_; ++v) hn::StoreU(dot3(side, vector(vertices_, v)), d, across_ + n_ * v);
-    // A hair to the right of the edge's middle.
-    V covering = winding(e, set(-1));
+    const V3 p = vector(vertices_, in_.edges[e].from), q = vector(vertices_, in_.edges[e].to), side = vector(sides_, e);
+    const V lo = load(starts_, e), hi = load(ends_, e);
+    const V between = hn::Mul(set(0.5), hn::Add(lo, hi));
+    const V3 along = minus3(q, p);
+    const V3 middle{hn::MulAdd(between, along.x, p.x), hn::MulAdd(between, along.y, p.y),
+                    hn::MulAdd(between, along.z, p.z)};
+    const V3 way = cross3(vector(source_, in_.first_corner), middle);
+    // To the right of the edge.
+    covering = hn::Sub(covering, hn::IfThenElseZero(hn::Gt(load(source_in_, in_.first_corner * ne_ + e), zero), step));
     crossings_.count = 0;
-    for (std::size_t k = 0; k < ne_; ++k) {
+    for (std::size_t n = 0; n < before_count_; ++n) {
+      const std::size_t k = before_source_[n];
       if (k == e) continue;
-      const V3 other = vector(sides_, k);
-      const V f0 = dot3(other, p), f1 = dot3(other, q);
-      const V at_middle = hn::Add(f0, f1);
-      covering = hn::Add(covering, winding(k, at_middle));
       const std::uint32_t from = in_.edges[k].from, to = in_.edges[k].to;
-      if (from == v0 || from == v1 || to == v0 || to == v1) continue;  // they only meet in that vertex
-      const M in0 = hn::Gt(f0, zero), in1 = hn::Gt(f1, zero);
-      const M beside = hn::Xor(hn::Gt(load(across_, from), zero), hn::Gt(load(across_, to), zero));
-      const V other_step = load(steps_, k);
-      const M crosses = hn::And(hn::And(hn::Xor(in0, in1), beside), hn::Ne(other_step, zero));
-      if (hn::AllFalse(d, crosses)) continue;
-      const V entered = hn::IfThenElseZero(crosses, hn::IfThenElse(in1, other_step, hn::Neg(other_step)));
-      crossings_.insert(hn::IfThenElse(crosses, hn::Div(f0, hn::Sub(f0, f1)), set(2)), entered);
+      const V3 other = vector(sides_, k), v0 = vector(vertices_, from), v1 = vector(vertices_, to);
+      const V f0 = dot3(other, p), f1 = dot3(other, q);
+      const V at_middle = hn::MulAdd(between, hn::Sub(f1, f0), f0);
+      const V at_corner = load(source_in_, in_.first_corner * ne_ + k);
+      covering = hn::Add(covering, change_across(k, at_corner, at_middle, dot3(way, v0), dot3(way, v1)));
+      if (from == in_.edges[e].from || from == in_.edges[e].to || to == in_.edges[e].from || to == in_.edges[e].to)
+        continue;  // they only meet in that vertex
+      const V entered = change_across(k, f0, f1, dot3(side, v0), dot3(side, v1));
+      add_crossing(entered, f0, f1);
       // Back from the middle to the start.
-      const M first_half = hn::Xor(in0, hn::Gt(at_middle, zero));
+      const M first_half = hn::Xor(hn::Gt(f0, zero), hn::Gt(at_middle, zero));
       covering = hn::Sub(covering, hn::IfThenElseZero(first_half, entered));
     }
     // The side that the edge's own polygons leave open.
@@ -334,16 +347,18 @@ class View {
   double *vertices_, *vertex_sides_;  // vertices from the point, and [source edge][vertex]: inside it
   double *sides_, *steps_;            // per edge: normal of the plane through it, to its left, and its step
   double* source_in_;                 // [source corner][edge]: left of it
-  double *across_, *meridian_;        // per vertex
-  double* signs_;                     // per turning plane
+  double *starts_, *ends_;            // per edge: the part of it before the source
+  std::uint32_t* before_source_;      // the edges of which a part is before the source, for some point
+  std::size_t before_count_ = 0;
+  double* signs_;  // per turning plane
   Crossings crossings_{};
 };
 
 void evaluate_points(const VisibleFragments::Input& in, const double* x, const double* y, const double* z,
-                     std::size_t count, const Vec3d& normal, double* scratch, double* out) {
+                     std::size_t count, const Vec3d& normal, double* scratch, std::uint32_t* before, double* out) {
   const D d;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    View view(in, {hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i)}, normal, scratch);
+    View view(in, {hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i)}, normal, scratch, before);
     hn::StoreU(view.factor(), d, out + i);
   }
 }
@@ -364,13 +379,14 @@ void VisibleFragments::evaluate(const Silhouette& silhouette, const double* x, c
   const std::size_t size = HWY_DYNAMIC_DISPATCH(scratch_size)(source_.size(), silhouette.vertices().size(),
                                                               silhouette.edges().size(), silhouette.planes().size());
   if (scratch_.size() < size) scratch_.resize(size);
+  if (before_.size() < silhouette.edges().size()) before_.resize(silhouette.edges().size());
   // The walk around the source starts at the corner that is farthest from the horizon, where winding numbers end.
   std::size_t highest = 0;
   for (std::size_t a = 1; a < source_.size(); ++a)
     if (dot(normal, source_[a]) > dot(normal, source_[highest])) highest = a;
   HWY_DYNAMIC_DISPATCH(evaluate_points)
   ({source_, highest, silhouette.vertices(), silhouette.edges(), silhouette.turning(), silhouette.planes()}, x, y, z,
-   count, normal, scratch_.data(), factors);
+   count, normal, scratch_.data(), before_.data(), factors);
 }
 
 }  // namespace penumbra

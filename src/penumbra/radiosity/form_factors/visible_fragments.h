@@ -14,8 +14,8 @@ namespace penumbra {
 ///
 /// Lambert's edge sum (1760) over the outline of the visible part: each source edge where nothing covers it, and each
 /// edge of the occluders' silhouette, backwards, where it stands before the source and nothing else covers it. How many
-/// polygons cover a point of such an edge is known in its middle, as a winding number (Sunday 2001), and changes where
-/// the silhouette crosses it: no polygons are cut, and every point of a vector takes the same steps. The union of the
+/// polygons cover a corner of the source is a winding number (Sunday 2001), and it changes wherever a way from there
+/// crosses the silhouette: no polygons are cut, and every point of a vector takes the same steps. The union of the
 /// occluders is exact; they must be in general position (see OccluderPolygons).
 ///
 /// One object a thread: evaluate() uses its scratch memory.
@@ -46,6 +46,7 @@ class VisibleFragments {
  private:
   std::vector<Vec3d> source_;
   std::vector<double> scratch_;
+  std::vector<std::uint32_t> before_;
 };
 
 }  // namespace penumbra
