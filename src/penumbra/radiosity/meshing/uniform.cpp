@@ -32,7 +32,8 @@ double count_elements(const PatchMesh& faces, double size) {
   return count;
 }
 
-/// The size that gives the number of elements nearest to the one wanted, by bisection of its logarithm.
+}  // namespace
+
 double size_for_count(const PatchMesh& faces, std::size_t wanted) {
   double area = 0, longest = 0;
   for (std::size_t p = 0; p < faces.radiating_count; ++p) {
@@ -53,6 +54,8 @@ double size_for_count(const PatchMesh& faces, std::size_t wanted) {
   }
   return best;
 }
+
+namespace {
 
 double element_size(const PatchMesh& faces, const MeshingOptions& options) {
   const bool by_count = options.element_size == 0 && options.element_count > 0;

@@ -26,4 +26,8 @@ struct MeshingOptions {
 /// `ShadingMesh` mends. Throws std::invalid_argument as make_patch_mesh does.
 [[nodiscard]] MadePatchMesh make_uniform_elements(const Scene& scene, const MeshingOptions& options);
 
+/// The longest edge (m) with which divide_polygon cuts the radiating patches of `faces` into about `wanted` cells; by
+/// bisection.
+[[nodiscard]] double size_for_count(const PatchMesh& faces, std::size_t wanted);
+
 }  // namespace penumbra

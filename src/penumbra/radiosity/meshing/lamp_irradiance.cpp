@@ -1,0 +1,262 @@
+#include "penumbra/radiosity/meshing/lamp_irradiance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "penumbra/math/bounds.h"
+#include "penumbra/math/sampling.h"
+#include "penumbra/math/sobol.h"
+#include "penumbra/radiosity/form_factors/nusselt.h"
+
+namespace penumbra {
+namespace {
+
+/// What lies within this share of the scene's size of a plane lies on it.
+constexpr double on_plane = 1e-9;
+constexpr std::uint32_t rays_to_a_lamp = 64;
+
+double largest(const Vec3d& v) { return std::max({v.x, v.y, v.z}); }
+
+/// Half-spaces that hold the convex hull of two convex polygons: through each edge of one and a corner of the other.
+std::vector<Plane3> hull_planes(std::span<const Vec3d> a, std::span<const Vec3d> b, double tolerance) {
+  std::vector<Plane3> planes;
+  const auto add_all = [&](std::span<const Vec3d> edges, std::span<const Vec3d> corners) {
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      for (const Vec3d& c : corners) {
+        const Vec3d& from = edges[k];
+        const Vec3d n = cross(edges[(k + 1) % edges.size()] - from, c - from);
+        const double size = length(n);
+        if (!(size > 0)) continue;
+        Plane3 plane{n / size, dot(n, from) / size};
+        double least = 0, most = 0;
+        for (const auto& polygon : {edges, corners}) {
+          for (const Vec3d& p : polygon) {
+            least = std::min(least, plane.distance(p));
+            most = std::max(most, plane.distance(p));
+          }
+        }
+        if (least < -tolerance && most > tolerance) continue;
+        if (most <= tolerance) plane = {-plane.normal, -plane.offset};
+        planes.push_back(plane);
+      }
+    }
+  };
+  add_all(a, b);
+  add_all(b, a);
+  return planes;
+}
+
+bool is_beyond(const Plane3& plane, std::span<const Vec3d> polygon, double tolerance) {
+  return std::all_of(polygon.begin(), polygon.end(), [&](const Vec3d& p) { return plane.distance(p) <= tolerance; });
+}
+
+/// Cuts the pyramid over `blocker` seen from `point` out of the pieces.
+void cut_shadow(const Vec3d& point, std::span<const Vec3d> blocker, std::vector<std::vector<Vec3d>>& pieces) {
+  const Vec3d plane = newell_vector(blocker);
+  const double side = dot(plane, blocker[0] - point);
+  if (std::abs(side) <= 1e-12 * length(plane) * polygon_size(blocker)) return;  // seen from the edge
+  const double turn = side > 0 ? 1 : -1;
+  std::vector<std::vector<Vec3d>> left;
+  std::vector<Vec3d> outside, inside;
+  for (std::vector<Vec3d>& rest : pieces) {
+    for (std::size_t k = 0; k < blocker.size() && rest.size() >= 3; ++k) {
+      const Vec3d inward = turn * cross(blocker[k] - point, blocker[(k + 1) % blocker.size()] - point);
+      const double size = length(inward);
+      if (!(size > 0)) continue;
+      const Plane3 inner{inward / size, dot(inward, point) / size};
+      clip_polygon(rest, {-inner.normal, -inner.offset}, 0, outside);
+      if (outside.size() >= 3) left.push_back(outside);
+      clip_polygon(rest, inner, 0, inside);
+      std::swap(rest, inside);
+    }
+  }
+  pieces.swap(left);
+}
+
+}  // namespace
+
+LampIrradiance::LampIrradiance(const Scene& scene, const PatchMesh& faces, std::size_t most_lamps)
+    : scene_(scene), faces_(faces), occluders_(std::make_unique<Scene>()) {
+  Mesh& mesh = occluders_->meshes.emplace_back();
+  mesh.positions = faces.vertices;
+  for (std::uint32_t p = 0; p < faces.patch_count(); ++p) {
+    if (faces.surfaces[faces.surface_of[p]].back) continue;  // it stands where its front does
+    const auto corners = faces.patch_corners(p);
+    for (std::size_t c = 2; c < corners.size(); ++c) {
+      mesh.triangles.push_back({corners[0], corners[c - 1], corners[c]});
+      patch_of_triangle_.push_back(p);
+    }
+  }
+  occluders_->materials.emplace_back();
+  occluders_->instances.push_back({"faces", 0, Mat4d(1)});
+  tracer_ = std::make_unique<RayTracer>(*occluders_);
+  Bounds all;
+  for (const Vec3d& v : faces.vertices) {
+    all.grow(v);
+    rounding_ = std::max(rounding_, float_error * largest_component(v));
+  }
+  size_ = faces.vertices.empty() ? 1 : length(all.upper - all.lower);
+  add_patches(most_lamps);
+  add_lights();
+}
+
+void LampIrradiance::add_patches(std::size_t most_lamps) {
+  const auto emission = [&](std::uint32_t p) {
+    const double* e = &faces_.emission[std::size_t{3} * faces_.surface_of[p]];
+    return Vec3d(e[0], e[1], e[2]);
+  };
+  std::vector<std::uint32_t> emitting;
+  for (std::uint32_t p = 0; p < faces_.radiating_count; ++p) {
+    if (largest(emission(p)) > 0) emitting.push_back(p);
+  }
+  const auto power = [&](std::uint32_t p) { return faces_.areas[p] * largest(emission(p)); };
+  std::stable_sort(emitting.begin(), emitting.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return power(a) > power(b); });
+  if (emitting.size() > most_lamps) emitting.resize(most_lamps);
+  for (const std::uint32_t p : emitting) {
+    const auto polygon = faces_.polygon(p);
+    lamps_.push_back({Lamp::Kind::patch, {polygon.begin(), polygon.end()}, Vec3d(0), emission(p), p});
+  }
+}
+
+void LampIrradiance::add_lights() {
+  for (const Light& light : scene_.lights) {
+    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
+      lamps_.push_back({Lamp::Kind::point, {point->position}, Vec3d(0), Vec3d(point->intensity)});
+    } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
+      lamps_.push_back({Lamp::Kind::point, {spot->position}, Vec3d(0), Vec3d(spot->intensity)});
+    } else if (const auto* far = std::get_if<DirectionalLight>(&light.kind)) {
+      lamps_.push_back({Lamp::Kind::far, {}, far->direction, Vec3d(far->irradiance)});
+    }
+  }
+}
+
+LampIrradiance::View LampIrradiance::view(std::span<const Vec3d> receiver) const {
+  View view;
+  view.owner_ = this;
+  const Plane3 plane = polygon_plane(receiver);
+  view.normal_ = plane.normal;
+  const double tolerance = on_plane * size_;
+  for (std::uint32_t k = 0; k < lamps_.size(); ++k) {
+    const Lamp& lamp = lamps_[k];
+    if (lamp.kind == Lamp::Kind::far) {
+      if (dot(lamp.direction, plane.normal) < 0) view.seen_.push_back({k, {}, false});
+      continue;
+    }
+    if (is_beyond(plane, lamp.corners, tolerance)) continue;
+    View::Seen seen{k, {}, false};
+    if (lamp.kind == Lamp::Kind::patch) {
+      if (is_beyond(polygon_plane(lamp.corners), receiver, tolerance)) continue;
+      list_occluders(receiver, plane, seen);
+    }
+    view.seen_.push_back(std::move(seen));
+  }
+  return view;
+}
+
+void LampIrradiance::list_occluders(std::span<const Vec3d> receiver, const Plane3& plane, View::Seen& seen) const {
+  const Lamp& lamp = lamps_[seen.lamp];
+  const Plane3 lamp_plane = polygon_plane(lamp.corners);
+  const double tolerance = on_plane * size_;
+  std::vector<Plane3> shaft = hull_planes(receiver, lamp.corners, tolerance);
+  std::vector<Vec3d> above, between;
+  Bounds box;
+  for (const auto& polygon : {receiver, std::span<const Vec3d>(lamp.corners)}) {
+    for (const Vec3d& p : polygon) box.grow(p);
+  }
+  for (std::uint32_t p = 0; p < faces_.patch_count(); ++p) {
+    if (p == lamp.patch || faces_.surfaces[faces_.surface_of[p]].back) continue;
+    const auto polygon = faces_.polygon(p);
+    Bounds own;
+    for (const Vec3d& v : polygon) own.grow(v);
+    if (glm::any(glm::lessThan(own.upper, box.lower)) || glm::any(glm::greaterThan(own.lower, box.upper))) continue;
+    if (is_beyond(plane, polygon, tolerance) || is_beyond(lamp_plane, polygon, tolerance)) continue;
+    if (std::any_of(shaft.begin(), shaft.end(), [&](const Plane3& s) { return is_beyond(s, polygon, tolerance); })) {
+      continue;
+    }
+    clip_polygon(polygon, plane, 0, above);
+    if (above.size() < 3) continue;
+    clip_polygon(above, lamp_plane, 0, between);
+    if (between.size() < 3) continue;
+    if (seen.occluders.size() == most_occluders) {
+      seen.by_rays = true;
+      seen.occluders.clear();
+      return;
+    }
+    seen.occluders.push_back(between);
+  }
+  // The nearest to the lamp's size first: large ones leave less for the rest to cut.
+  std::stable_sort(seen.occluders.begin(), seen.occluders.end(),
+                   [](const auto& a, const auto& b) { return polygon_area(a) > polygon_area(b); });
+}
+
+double LampIrradiance::visible_factor(const Vec3d& point, const Vec3d& normal, const View::Seen& seen) const {
+  const Lamp& lamp = lamps_[seen.lamp];
+  const double whole = point_to_polygon(point, normal, lamp.corners);
+  if (whole == 0 || seen.occluders.empty()) return whole;
+  std::vector<std::vector<Vec3d>> pieces{lamp.corners};
+  for (const auto& occluder : seen.occluders) {
+    cut_shadow(point, occluder, pieces);
+    if (pieces.empty()) return 0;
+  }
+  double sum = 0;
+  for (const auto& piece : pieces) sum += point_to_polygon(point, normal, piece);
+  return std::min(sum, whole);
+}
+
+bool LampIrradiance::is_hidden(const Vec3d& point, const Vec3d& normal, const Vec3d& direction, double distance) const {
+  SurfacePoint from;
+  from.position = point;
+  from.error = Vec3d(rounding_);
+  from.geometric_normal = from.shading_normal = normal;
+  Ray ray = leave(from, direction);
+  ray.t_max = distance * (1 - 1e-5);
+  return tracer_->occluded(ray);
+}
+
+double LampIrradiance::sampled_factor(const Vec3d& point, const Vec3d& normal, const Lamp& lamp) const {
+  const double whole = point_to_polygon(point, normal, lamp.corners);
+  if (whole == 0) return 0;
+  // The share of the lamp that is seen, each point weighed by what it brings.
+  const Vec3d lamp_normal = polygon_normal(lamp.corners);
+  double seen = 0, all = 0;
+  for (std::uint32_t k = 0; k < rays_to_a_lamp; ++k) {
+    Vec2d u = owen_sobol_2d(k, 0);
+    const auto triangles = static_cast<double>(lamp.corners.size() - 2);
+    const auto t = static_cast<std::size_t>(std::min(u.x * triangles, triangles - 1));
+    u.x = u.x * triangles - static_cast<double>(t);
+    const Vec2d b = sample_triangle(u);
+    const Vec3d e1 = lamp.corners[t + 1] - lamp.corners[0], e2 = lamp.corners[t + 2] - lamp.corners[0];
+    const Vec3d way = lamp.corners[0] + b.x * e1 + b.y * e2 - point;
+    const double r2 = length_squared(way);
+    const double weight =
+        length(cross(e1, e2)) * std::max(0.0, dot(way, normal)) * std::max(0.0, -dot(way, lamp_normal)) / (r2 * r2);
+    if (!(weight > 0)) continue;
+    all += weight;
+    if (!is_hidden(point, normal, way / std::sqrt(r2), std::sqrt(r2))) seen += weight;
+  }
+  return all > 0 ? whole * seen / all : 0;
+}
+
+Vec3d LampIrradiance::View::at(const Vec3d& point) const {
+  Vec3d sum(0);
+  for (const Seen& seen : seen_) {
+    const Lamp& lamp = owner_->lamps_[seen.lamp];
+    if (lamp.kind == Lamp::Kind::patch) {
+      sum += lamp.strength * (seen.by_rays ? owner_->sampled_factor(point, normal_, lamp)
+                                           : owner_->visible_factor(point, normal_, seen));
+      continue;
+    }
+    const bool far = lamp.kind == Lamp::Kind::far;
+    const Vec3d way = far ? -lamp.direction : lamp.corners[0] - point;
+    const double distance = length(way), cosine = dot(way, normal_) / distance;
+    if (!(cosine > 0)) continue;
+    if (owner_->is_hidden(point, normal_, way / distance, far ? 2 * owner_->size_ : distance)) continue;
+    sum += lamp.strength * (far ? cosine : cosine / (distance * distance));
+  }
+  return sum;
+}
+
+}  // namespace penumbra
