@@ -101,7 +101,7 @@ class AdaptiveMesher {
 
   [[nodiscard]] std::vector<FaceCells> cells_to_begin_with() const {
     const bool dark = light_.lamps().empty();
-    const std::size_t evenly = std::max<std::size_t>(1, dark ? options_.element_count : options_.element_count / 4);
+    const std::size_t evenly = std::max<std::size_t>(1, dark ? options_.element_count : options_.element_count / 16);
     const double size = options_.element_size > 0 ? options_.element_size : size_for_count(faces_, evenly);
     std::vector<FaceCells> all;
     for (const Plate& plate : plates_) {
