@@ -5,27 +5,64 @@
 #include "exit_code.h"
 #include "interrupt.h"
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/render/radiosity_view.h"
 #include "render_arguments.h"
 #include "report.h"
+#include "solution_file.h"
 
 namespace penumbra::cli {
 namespace {
 
 /// Where the time of a render went, s.
 struct Seconds {
-  double load = 0, build = 0, render = 0, write = 0;
+  double load = 0, build = 0, solve = 0, render = 0, write = 0;
 };
 
 double rays_per_second(const RenderResult& result) {
   return result.seconds > 0 ? static_cast<double>(result.rays.total()) / result.seconds : 0;
 }
 
-RenderResult draw(const RenderArguments& arguments, const RayTracer& tracer, const Camera& camera, Interrupt& interrupt,
-                  Console& console) {
+/// What was drawn, and the solution's warnings when one was computed.
+struct Drawn {
+  RenderResult result;
+  double solve_seconds = 0;
+};
+
+DiffuseSolution solve_for(const RenderArguments& arguments, const Scene& scene, const Progress& progress,
+                          Console& console) {
+  if (arguments.solution) return read_solution(*arguments.solution);
+  const auto setup = make_radiosity_setup(
+      scene, setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed), progress);
+  console.warn(setup->warnings);
+  SolverOptions options = solver_options(arguments.radiosity);
+  options.progress = progress;
+  return diffuse_solution(scene, setup->mesh, solve(*setup, options).solution);
+}
+
+Drawn show_radiosity(const RenderArguments& arguments, const Scene& scene, const Camera& camera,
+                     const Progress& progress, Console& console) {
+  const Stopwatch watch;
+  const DiffuseSolution solution = solve_for(arguments, scene, progress, console);
+  if (solution.partial) {
+    console.insist("partial: the solution was stopped, light is missing");
+  }
+  const RadiosityView view(
+      solution.mesh, solution.irradiance, scene,
+      {.smooth = !arguments.flat, .outlines = arguments.outlines ? ElementOutlines::dark : ElementOutlines::none});
+  Drawn drawn;
+  drawn.solve_seconds = watch.seconds();
+  drawn.result = render(view, camera, arguments.render, progress);
+  drawn.result.partial = drawn.result.partial || solution.partial;
+  return drawn;
+}
+
+Drawn draw(const RenderArguments& arguments, const RayTracer& tracer, const Camera& camera, Interrupt& interrupt,
+           Console& console) {
   const Progress progress{[&](std::string_view stage, double fraction) { console.progress(stage, fraction); },
                           interrupt.token()};
   interrupt.something_to_keep();
-  return render(tracer, camera, arguments.render, progress);
+  if (arguments.shows_radiosity()) return show_radiosity(arguments, tracer.scene(), camera, progress, console);
+  return {render(tracer, camera, arguments.render, progress), 0};
 }
 
 void describe(const RenderArguments& arguments, const Camera& camera, const RenderResult& result, Image& image) {
@@ -49,7 +86,11 @@ Report report_on(const RenderArguments& arguments, const RenderResult& result, c
       {"integrator", arguments.integrator},
       {"seed", arguments.render.seed},
       {"seconds",
-       {{"load", seconds.load}, {"build", seconds.build}, {"render", seconds.render}, {"write", seconds.write}}},
+       {{"load", seconds.load},
+        {"build", seconds.build},
+        {"solve", seconds.solve},
+        {"render", seconds.render},
+        {"write", seconds.write}}},
       {"rays",
        {{"primary", rays.primary},
         {"shadow", rays.shadow},
@@ -97,8 +138,9 @@ int render_picture(const RenderArguments& arguments) {
   seconds.build = build_watch.seconds();
 
   const Stopwatch render_watch;
-  RenderResult result = draw(arguments, tracer, camera, interrupt, console);
-  seconds.render = render_watch.seconds();
+  auto [result, solve_seconds] = draw(arguments, tracer, camera, interrupt, console);
+  seconds.solve = solve_seconds;
+  seconds.render = render_watch.seconds() - solve_seconds;
 
   const Stopwatch write_watch;
   describe(arguments, camera, result, result.image);

@@ -16,6 +16,11 @@ constexpr int most_segments = std::numeric_limits<int>::max();
 
 const std::vector<std::pair<std::string, IntegratorKind>> integrators{
     {"appel", IntegratorKind::appel}, {"whitted", IntegratorKind::whitted}, {"path", IntegratorKind::path}};
+const std::vector<std::pair<std::string, std::optional<IntegratorKind>>> integrator_choices = [] {
+  std::vector<std::pair<std::string, std::optional<IntegratorKind>>> all(integrators.begin(), integrators.end());
+  all.emplace_back("radiosity", std::nullopt);
+  return all;
+}();
 const std::vector<std::pair<std::string, FilterKind>> filters{{"box", FilterKind::box},
                                                               {"tent", FilterKind::tent},
                                                               {"gaussian", FilterKind::gaussian},
@@ -93,10 +98,11 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
   parser.group("Method");
   parser.value(
       "--integrator", "NAME",
-      "appel (primary and shadow rays), whitted (adds reflection and refraction) or path (the reference: all light "
-      "paths) (default: whitted)",
+      "appel (primary and shadow rays), whitted (adds reflection and refraction), path (the reference: all light "
+      "paths) or radiosity (a diffuse solution, see below) (default: whitted)",
       [&](const OptionValue& v) {
-        options.integrator = choice<IntegratorKind>(v, integrators);
+        const auto kind = choice<std::optional<IntegratorKind>>(v, integrator_choices);
+        options.integrator = kind.value_or(options.integrator);
         arguments.integrator = v.text;
       });
   parser.value("--spp", "N", "samples a pixel (default: 4; 64 for path)", [&](const OptionValue& v) {
@@ -119,14 +125,43 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
                [&](const OptionValue& v) { options.time_limit = positive(v, "a number of seconds above 0"); });
 }
 
+void add_solution_options(OptionParser& parser, RenderArguments& arguments) {
+  add_radiosity_options(parser, arguments.radiosity);
+  parser.value("--solution", "FILE.npz", "show this solution, which bake wrote, instead of computing one",
+               [&](const OptionValue& v) { arguments.solution = v.text; });
+  parser.flag("--flat", "show each element in its one colour (default: smooth)", arguments.flat);
+  parser.flag("--outlines", "draw the outlines of the elements", arguments.outlines);
+}
+
+void check_solution_options(const RenderArguments& a) {
+  if (!a.shows_radiosity()) {
+    const char* option = a.solution          ? "--solution"
+                         : a.flat            ? "--flat"
+                         : a.outlines        ? "--outlines"
+                         : a.radiosity.given ? "--solver and its options"
+                                             : nullptr;
+    if (option == nullptr) return;
+    throw UsageError(
+        fmt::format("{} does not apply to --integrator {}; it belongs to radiosity", option, a.integrator));
+  }
+  if (a.solution && a.radiosity.given) {
+    throw UsageError("--solution shows what was solved before; leave --solver and its options away");
+  }
+  check(a.radiosity);
+}
+
 void apply(const Given& given, const std::string& integrator, RenderOptions& options) {
-  const bool path = options.integrator == IntegratorKind::path;
-  const bool appel = options.integrator == IntegratorKind::appel;
+  const bool radiosity = integrator == "radiosity";
+  const bool path = !radiosity && options.integrator == IntegratorKind::path;
+  const bool appel = !radiosity && options.integrator == IntegratorKind::appel;
   options.samples_per_pixel = given.samples.value_or(path ? usual_path_samples : usual_samples);
   const auto refuse = [&](const char* option, const char* reason) {
     throw UsageError(
         fmt::format("{} does not apply to --integrator {}, {}; leave it away", option, integrator, reason));
   };
+  if (radiosity && options.opaque_shadows) refuse("--opaque-shadows", "which shows light that was computed before");
+  if (radiosity && given.max_depth) refuse("--max-depth", "which shows light that was computed before");
+  if (radiosity && given.min_throughput) refuse("--min-throughput", "which shows light that was computed before");
   if (path && options.opaque_shadows) refuse("--opaque-shadows", "which finds the light through glass by itself");
   if (appel && given.max_depth) refuse("--max-depth", "which follows no reflection or refraction");
   if (appel && given.min_throughput) refuse("--min-throughput", "which follows no reflection or refraction");
@@ -148,6 +183,7 @@ void check_all(const RenderArguments& arguments) {
   check(arguments.scene);
   check(arguments.camera);
   check_region(arguments.render);
+  check_solution_options(arguments);
   check(arguments.picture);
   if (!arguments.render.aovs.empty() && !holds_layers(arguments.picture)) {
     throw UsageError("--aov needs a file that holds layers; write -o NAME.exr instead of " + arguments.picture.path);
@@ -167,6 +203,7 @@ std::optional<RenderArguments> parse_render_arguments(const std::vector<std::str
   add_picture_options(parser, result.picture);
   add_picture_shape_options(parser, result.render);
   add_method_options(parser, result, given);
+  add_solution_options(parser, result);
   add_camera_options(parser, result.camera);
   add_scene_options(parser, result.scene);
   add_common_options(parser, result.common);

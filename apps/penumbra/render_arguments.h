@@ -8,6 +8,7 @@
 #include "common_options.h"
 #include "penumbra/render/render.h"
 #include "picture_file.h"
+#include "radiosity_options.h"
 #include "scene_options.h"
 
 namespace penumbra::cli {
@@ -19,7 +20,13 @@ struct RenderArguments {
   PictureFile picture;
   RenderOptions render;
   CommonOptions common;
-  std::string integrator = "whitted";  ///< as the user named it
+  std::string integrator = "whitted";   ///< as the user named it
+  RadiosityOptions radiosity;           ///< of --integrator radiosity
+  std::optional<std::string> solution;  ///< an .npz that `bake` wrote, to be shown instead of solving
+  bool flat = false;                    ///< each element in its one colour
+  bool outlines = false;                ///< elements outlined
+
+  [[nodiscard]] bool shows_radiosity() const { return integrator == "radiosity"; }
 };
 
 /// Reads and checks the arguments; none when the user asked for help. Throws UsageError, FileError.

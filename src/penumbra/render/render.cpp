@@ -4,12 +4,15 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/render/integrator.h"
+#include "penumbra/render/radiosity_view.h"
+#include "penumbra/render/ray_tally.h"
 
 namespace penumbra {
 namespace {
@@ -147,16 +150,35 @@ class Job {
   std::int64_t done_ = 0;
 };
 
-}  // namespace
+/// Shows a radiosity solution.
+class RadiosityIntegrator final : public RayIntegrator {
+ public:
+  RadiosityIntegrator(const RadiosityView& view, const CameraRays& camera, std::uint64_t seed)
+      : RayIntegrator(camera, seed), view_(view) {}
 
-RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
-                    const Progress& progress) {
-  check(options);
-  const auto began = Clock::now();
-  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
-  const auto integrator = make_integrator(tracer, rays, options);
+  [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler&, RayCounts& rays) const override {
+    count(rays, RayPurpose::primary, 0);
+    const RadiosityView::Sight sight = view_.look(ray);
+    PixelEstimate seen;
+    seen.radiance = sight.radiance;
+    seen.direct = sight.hit ? sight.emission : sight.radiance;
+    seen.albedo = sight.albedo;
+    seen.normal = sight.hit ? Vec3f(sight.normal) : Vec3f(0);
+    seen.position = Vec3f(sight.position);
+    seen.depth = sight.hit ? static_cast<float>(sight.distance) : std::numeric_limits<float>::infinity();
+    seen.object = sight.hit ? static_cast<float>(sight.object) : -1.0F;
+    seen.rays = 1;
+    return seen;
+  }
+
+ private:
+  const RadiosityView& view_;
+};
+
+RenderResult draw(const Integrator& integrator, const RenderOptions& options, const Progress& progress,
+                  Clock::time_point began) {
   Film film(options.width, options.height, options.aovs);
-  Job job(*integrator, options, progress, film);
+  Job job(integrator, options, progress, film);
 
   RenderResult result;
   result.partial = !job.run();
@@ -168,6 +190,24 @@ RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderO
   result.mean_samples = film.mean_samples() / share;
   result.seconds = std::chrono::duration<double>(Clock::now() - began).count();
   return result;
+}
+
+}  // namespace
+
+RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
+                    const Progress& progress) {
+  check(options);
+  const auto began = Clock::now();
+  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
+  return draw(*make_integrator(tracer, rays, options), options, progress, began);
+}
+
+RenderResult render(const RadiosityView& view, const Camera& camera, const RenderOptions& options,
+                    const Progress& progress) {
+  check(options);
+  const auto began = Clock::now();
+  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
+  return draw(RadiosityIntegrator(view, rays, options.seed), options, progress, began);
 }
 
 }  // namespace penumbra
