@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "penumbra/radiosity/form_factors/contact_factors.h"
 #include "penumbra/radiosity/form_factors/ray_cast.h"
 #include "report.h"
 #include "usage_error.h"
@@ -181,14 +182,14 @@ std::unique_ptr<FormFactorMethod> make_method(const FactorArguments& a, const Pa
     options.visibility = a.hemicube_visibility.value_or(options.visibility);
     options.rotate = a.hemicube_rotate;
     options.seed = a.common.seed;
-    return make_hemicube(mesh, options);
+    return with_contacts(make_hemicube(mesh, options), mesh);
   }
   if (a.method == "adaptive") {
     AdaptiveOptions options;
     options.tolerance = a.used_tolerance();
     options.visibility = a.adaptive_visibility.value_or(options.visibility);
     options.between_surfaces_only = a.geometry.is_pair();
-    return make_adaptive(mesh, options);
+    return with_contacts(make_adaptive(mesh, options), mesh);
   }
   FormFactorOptions options;
   options.tolerance = a.used_tolerance();

@@ -51,8 +51,8 @@ class ModelGatherer {
     std::optional<std::uint32_t> head;
     for (std::uint32_t p = first; p < model_.polygons.size(); ++p) {
       ModelPolygon& polygon = model_.polygons[p];
-      if (polygon.role != PolygonRole::radiates) continue;
-      polygon.role = role;
+      if (polygon.role != PolygonRole::radiates && polygon.role != PolygonRole::covers) continue;
+      if (polygon.role == PolygonRole::radiates || role != PolygonRole::radiates) polygon.role = role;
       if (role != PolygonRole::radiates) {
         polygon.combines_with.reset();
       } else if (one_surface) {
@@ -76,12 +76,6 @@ class ModelGatherer {
     const auto first_polygon = static_cast<std::uint32_t>(model_.polygons.size());
     model_.vertices.insert(model_.vertices.end(), loaded.model.vertices.begin(), loaded.model.vertices.end());
     for (ModelPolygon& polygon : loaded.model.polygons) {
-      if (polygon.role == PolygonRole::covers) {
-        throw FileError(
-            source, polygon.place,
-            "masking surfaces (M) are not supported; write N to leave the covered part out, or leave the line "
-            "away");
-      }
       for (std::uint32_t& c : polygon.corners) c += first_vertex;
       if (polygon.base) *polygon.base += first_polygon;
       if (polygon.combines_with) *polygon.combines_with += first_polygon;

@@ -168,6 +168,7 @@ TEST(Vs3Reader, NamesTheLineOfEveryMistake) {
       {"S 1 1 2 3 0 1 0 1 a\nE\n", "line 5", "before"},
       {"S 1 1 2 3 0 0 0 1 a\nS 2 1 2 3 0 0 1 1 b\nS 3 1 2 3 0 0 2 1 c\nE\n", "line 7", "itself combined"},
       {"N 1 1 2 3 0 0 0 1 a\nE\n", "line 5", "needs a base"},
+      {"M 1 1 2 3 0 2 0 1 a\nO 2 1 2 3 0\nE\n", "line 5", "of kind S"},
       {"F 3\nE\n", "line 5", "before"},
       {"S 1 1 2 3 0 0 0 1 a\n", "line 6", "End of data"},
       {"E\n", "line 5", "no surface"},

@@ -309,6 +309,9 @@ void Vs3Parser::resolve_base(std::size_t p) {
   if (role == PolygonRole::covers || role == PolygonRole::masks) {
     fail_at(from.line, fmt::format("the base of surface '{}' should be a surface of kind S or O", polygon.name));
   }
+  if (polygon.role != PolygonRole::radiates && role == PolygonRole::obstructs) {
+    fail_at(from.line, fmt::format("the base of surface '{}' (M or N) should be a surface of kind S", polygon.name));
+  }
   // Obstructions are numbered last, so they alone may be a base that comes later.
   if (base == p || (base > p && role != PolygonRole::obstructs)) {
     fail_at(from.line, fmt::format("the base of surface '{}' should stand before it", polygon.name));

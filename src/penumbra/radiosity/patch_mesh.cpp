@@ -171,13 +171,17 @@ std::vector<Vec3d> model_outline(const PolygonModel& model, std::uint32_t index)
   return outline;
 }
 
+bool has_row(const ModelPolygon& polygon) {
+  return polygon.role == PolygonRole::radiates || polygon.role == PolygonRole::covers;
+}
+
 /// The polygon whose row takes this one: the end of its chain of combinations.
 std::uint32_t combined_into(const PolygonModel& model, std::uint32_t index) {
   std::uint32_t at = index;
   for (std::size_t step = 0; step <= model.polygons.size(); ++step) {
     const ModelPolygon& polygon = model.polygons[at];
     if (!polygon.combines_with || *polygon.combines_with == at) {
-      if (polygon.role == PolygonRole::radiates) return at;
+      if (has_row(polygon)) return at;
       throw std::invalid_argument(fmt::format("{} is combined with {}, which does not radiate.",
                                               model_place(model.polygons[index], index), model_place(polygon, at)));
     }
@@ -190,6 +194,33 @@ std::uint32_t combined_into(const PolygonModel& model, std::uint32_t index) {
   }
   throw std::invalid_argument(fmt::format("{} is combined in a circle: let one of them stand for itself.",
                                           model_place(model.polygons[index], index)));
+}
+
+/// Refuses a covering polygon that has nothing to cover, looks away from it or reaches beyond it (View3D's rules).
+void check_cover(const PolygonModel& model, std::uint32_t index) {
+  const ModelPolygon& polygon = model.polygons[index];
+  if (!polygon.base || model.polygons[*polygon.base].role != PolygonRole::radiates) {
+    throw std::invalid_argument(fmt::format("{} covers nothing that radiates: its base should be a radiating surface.",
+                                            model_place(polygon, index)));
+  }
+  const std::string base_place = model_place(model.polygons[*polygon.base], *polygon.base);
+  const std::vector<Vec3d> outline = model_outline(model, index), base = model_outline(model, *polygon.base);
+  const Vec3d normal = polygon_normal(base);
+  if (dot(polygon_normal(outline), normal) > 0) {
+    throw std::invalid_argument(fmt::format("{} should face its base, {}: reverse the order of its corners.",
+                                            model_place(polygon, index), base_place));
+  }
+  if (!is_convex(base)) return;
+  const double tolerance = 1e-6 * polygon_size(base);
+  for (std::size_t k = 0; k < base.size(); ++k) {
+    const Vec3d inward = cross(normal, base[(k + 1) % base.size()] - base[k]);
+    for (const Vec3d& p : outline) {
+      if (dot(inward, p - base[k]) < -tolerance * length(inward)) {
+        throw std::invalid_argument(
+            fmt::format("{} reaches beyond its base, {}.", model_place(polygon, index), base_place));
+      }
+    }
+  }
 }
 
 /// For each polygon the outlines of those that lie on it.
@@ -251,21 +282,28 @@ MadePatchMesh make_patch_mesh(const Scene& scene, const PatchMeshOptions& option
 MadePatchMesh make_patch_mesh(const PolygonModel& model, const PatchMeshOptions& options) {
   PatchMeshBuilder builder(1, options, [&](std::uint32_t face) { return model_place(model.polygons[face], face); });
   const auto count = static_cast<std::uint32_t>(model.polygons.size());
-  std::vector<std::uint32_t> row(count, PatchMesh::no_surface);
+  std::vector<std::uint32_t> row(count, PatchMesh::no_surface), paint(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const ModelPolygon& polygon = model.polygons[i];
-    if (polygon.role == PolygonRole::radiates && combined_into(model, i) == i) {
+    paint[i] = builder.add_paint({{polygon.reflectance}, {0.0}, {0.0}});
+    if (has_row(polygon) && combined_into(model, i) == i) {
       row[i] = builder.add_surface({polygon.name.empty() ? std::to_string(i + 1) : polygon.name, i, 0, false, 0});
     }
   }
   const auto holes = model_holes(model);
+  const auto row_of = [&](std::uint32_t i) {
+    return has_row(model.polygons[i]) ? row[combined_into(model, i)] : PatchMesh::no_surface;
+  };
   for (std::uint32_t i = 0; i < count; ++i) {
     const ModelPolygon& polygon = model.polygons[i];
     if (polygon.role == PolygonRole::masks) continue;
-    const std::uint32_t surface =
-        polygon.role == PolygonRole::radiates ? row[combined_into(model, i)] : PatchMesh::no_surface;
-    const std::uint32_t paint = builder.add_paint({{polygon.reflectance}, {0.0}, {0.0}});
-    builder.add_face(model_outline(model, i), i, surface, paint, holes[i]);
+    if (polygon.role == PolygonRole::covers) {
+      check_cover(model, i);
+      const std::uint32_t base = *polygon.base;
+      builder.add_cover(model_outline(model, i), {i, row_of(i), paint[i]}, {base, row_of(base), paint[base]});
+    } else {
+      builder.add_face(model_outline(model, i), i, row_of(i), paint[i], holes[i]);
+    }
   }
   return builder.finish();
 }

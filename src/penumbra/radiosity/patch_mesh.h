@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "penumbra/math/vec.h"
@@ -41,6 +42,10 @@ struct PatchMesh {
   std::vector<std::uint32_t> surface_of;  ///< the row, or no_surface for an obstruction
   std::vector<std::uint32_t> face_of;     ///< the input polygon, numbered over the whole input
   std::size_t radiating_count = 0;
+  /// Pairs of radiating patches that lie face to face: each sees the other and nothing else (View3D's masking
+  /// surfaces). They coincide and look at each other as the sides of a plate look apart, so their polygons do not tell:
+  /// see with_contacts().
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> contacts;
 
   // Per surface.
   std::vector<PatchSurface> surfaces;
@@ -107,7 +112,8 @@ struct MadePatchMesh {
 [[nodiscard]] MadePatchMesh make_patch_mesh(const Scene& scene, const PatchMeshOptions& options = {});
 
 /// The polygons of a thermal model, with one band; a row for each radiating polygon that is not combined with another,
-/// in input order. Subsurfaces are cut out of their bases. Groupings by object or material do not apply. Throws
+/// in input order. Subsurfaces are cut out of their bases. A polygon that covers its base has a row of its own and sees
+/// only what it covers, which stays part of the base's row. Groupings by object or material do not apply. Throws
 /// std::invalid_argument as above, naming the polygon's place, and for combinations that lead nowhere.
 [[nodiscard]] MadePatchMesh make_patch_mesh(const PolygonModel& model, const PatchMeshOptions& options = {});
 

@@ -137,6 +137,25 @@ void PatchMeshBuilder::add_face(std::vector<Vec3d> polygon, std::uint32_t face, 
   faces_.push_back(std::move(record));
 }
 
+void PatchMeshBuilder::add_cover(const std::vector<Vec3d>& polygon, const Owner& cover, const Owner& base) {
+  if (options_.sides == PatchSides::both) {
+    throw std::invalid_argument(place_of_(cover.face) +
+                                " covers another face, so its back has no place: let only fronts radiate.");
+  }
+  const std::size_t first = pieces_.size();
+  add_face(polygon, cover.face, cover.surface, cover.paint);
+  const std::size_t last = pieces_.size();
+  for (std::size_t k = first; k < last; ++k) {
+    pieces_[k].contact = contact_count_++;
+    Piece covered = pieces_[k];
+    std::reverse(covered.ring.begin(), covered.ring.end());
+    covered.row_key = 2 * base.surface;
+    covered.face = base.face;
+    covered.paint = base.paint;
+    pieces_.push_back(std::move(covered));
+  }
+}
+
 /// Refuses faces that lie on an earlier one, or takes their pieces away.
 void PatchMeshBuilder::find_duplicates() {
   for (std::uint32_t f = 0; f < faces_.size(); ++f) {
@@ -187,6 +206,21 @@ void PatchMeshBuilder::number_surfaces() {
   }
 }
 
+/// The patches, numbered as the pieces, that carry the same contact.
+void PatchMeshBuilder::join_contacts() {
+  constexpr std::uint32_t none = PatchMesh::no_surface;
+  std::vector<std::uint32_t> first(contact_count_, none);
+  for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+    const std::uint32_t contact = pieces_[p].contact;
+    if (contact == none) continue;
+    if (first[contact] == none) {
+      first[contact] = p;
+    } else {
+      mesh_.contacts.emplace_back(first[contact], p);
+    }
+  }
+}
+
 /// A row of several paints gets their mean by area.
 void PatchMeshBuilder::average_paints(const std::vector<std::uint32_t>& paint_of_patch) {
   const std::size_t bands = mesh_.bands;
@@ -215,6 +249,7 @@ MadePatchMesh PatchMeshBuilder::finish() {
     paint_of_patch.push_back(piece.paint);
   }
   average_paints(paint_of_patch);
+  join_contacts();
 
   MadePatchMesh made{std::move(mesh_), {}};
   if (triangulated_ > 0) {

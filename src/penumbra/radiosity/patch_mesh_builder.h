@@ -36,6 +36,15 @@ class PatchMeshBuilder {
   void add_face(std::vector<Vec3d> polygon, std::uint32_t face, std::uint32_t surface, std::uint32_t paint,
                 std::span<const std::vector<Vec3d>> holes = {});
 
+  /// What an input face gives its pieces.
+  struct Owner {
+    std::uint32_t face = 0, surface = 0, paint = 0;
+  };
+  /// A face that lies on another, front to front: the two see only each other there. The covered part becomes a patch
+  /// of `base`, whose own add_face() should have this polygon among its holes. Throws as add_face, and when backs
+  /// radiate too.
+  void add_cover(const std::vector<Vec3d>& polygon, const Owner& cover, const Owner& base);
+
   /// Throws std::invalid_argument when two faces of the same orientation coincide and are not to be dropped. Call it
   /// once, last.
   [[nodiscard]] MadePatchMesh finish();
@@ -53,6 +62,7 @@ class PatchMeshBuilder {
     std::uint32_t face;
     std::uint32_t paint;
     Ring ring;
+    std::uint32_t contact = PatchMesh::no_surface;  // the pair of covering and covered piece that it belongs to
   };
   struct Face {
     std::uint32_t face, surface;
@@ -65,6 +75,7 @@ class PatchMeshBuilder {
   void find_duplicates();
   void add_backs();
   void number_surfaces();
+  void join_contacts();
   void average_paints(const std::vector<std::uint32_t>& paint_of_patch);
 
   PatchMeshOptions options_;
@@ -75,6 +86,7 @@ class PatchMeshBuilder {
   std::vector<PatchPaint> paints_;
   std::vector<Piece> pieces_;
   std::vector<Face> faces_;
+  std::uint32_t contact_count_ = 0;
   std::size_t triangulated_ = 0;
   std::size_t dropped_ = 0;
   std::size_t duplicates_ = 0;
