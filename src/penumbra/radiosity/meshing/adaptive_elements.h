@@ -13,8 +13,8 @@ namespace penumbra {
 
 /// How elements follow the light.
 struct AdaptiveMeshingOptions {
-  /// At most about this many elements. Half of those that are left after shadow lines are spent evenly, the rest where
-  /// the irradiance asks for them.
+  /// About this many elements. An eighth is spent evenly, at most half on shadow lines, the rest where the irradiance
+  /// asks for them; what is then left is spent on the largest.
   std::size_t element_count = 10000;
   /// Elements whose interpolated irradiance is within this share of the scene's largest are not split.
   double contrast = 1e-3;

@@ -1,5 +1,6 @@
 #include "penumbra/radiosity/meshing/element_builder.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <utility>
@@ -49,20 +50,27 @@ std::uint32_t ElementBuilder::add(std::uint32_t parent, std::span<const Vec3d> c
 PatchMesh ElementBuilder::finish() && { return std::move(mesh_); }
 
 void paint_elements(const Scene& scene, int shape_segments, PatchMesh& elements) {
-  assert(elements.bands == 3 && elements.surface_count() == elements.radiating_count);
+  assert(elements.bands == 3 && elements.patch_count() == elements.radiating_count);
   const FaceTable faces(scene, shape_segments);
   const SurfaceAverage average(scene, faces);
-  parallel_for(elements.surface_count(), 64, [&](std::size_t first, std::size_t last) {
-    for (std::size_t e = first; e < last; ++e) {
-      const PatchSurface& surface = elements.surfaces[e];
-      const SurfacePaint paint = average.over(surface.face, elements.polygon(e));
-      const Vec3d& emission = surface.back ? paint.back_emission : paint.emission;
-      for (int b = 0; b < 3; ++b) {
-        elements.reflectance[3 * e + b] = paint.reflectance[b];
-        elements.emission[3 * e + b] = emission[b];
-      }
+  std::vector<SurfacePaint> paints(elements.patch_count());
+  parallel_for(elements.patch_count(), 64, [&](std::size_t first, std::size_t last) {
+    for (std::size_t p = first; p < last; ++p) {
+      paints[p] = average.over(elements.surfaces[elements.surface_of[p]].face, elements.polygon(p));
     }
   });
+  std::fill(elements.reflectance.begin(), elements.reflectance.end(), 0);
+  std::fill(elements.emission.begin(), elements.emission.end(), 0);
+  for (std::size_t p = 0; p < elements.patch_count(); ++p) {
+    const std::uint32_t s = elements.surface_of[p];
+    const PatchSurface& surface = elements.surfaces[s];
+    const double share = elements.areas[p] / surface.area;
+    const Vec3d& emission = surface.back ? paints[p].back_emission : paints[p].emission;
+    for (std::size_t b = 0; b < 3; ++b) {
+      elements.reflectance[3 * s + b] += share * paints[p].reflectance[static_cast<int>(b)];
+      elements.emission[3 * s + b] += share * emission[static_cast<int>(b)];
+    }
+  }
 }
 
 }  // namespace penumbra

@@ -37,8 +37,8 @@ class ElementBuilder {
   std::unordered_map<Vec3d, std::uint32_t, PositionHash> vertex_of_;
 };
 
-/// Sets reflectance and emission of each element to their averages over it. @param elements of this scene, whose
-/// surfaces name its faces.
+/// Sets reflectance and emission of each surface to their averages over its patches. @param elements of this scene,
+/// whose surfaces name its faces.
 void paint_elements(const Scene& scene, int shape_segments, PatchMesh& elements);
 
 }  // namespace penumbra

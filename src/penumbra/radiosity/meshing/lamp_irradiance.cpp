@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
-#include "penumbra/math/bounds.h"
 #include "penumbra/math/sampling.h"
 #include "penumbra/math/sobol.h"
 #include "penumbra/radiosity/form_factors/nusselt.h"
@@ -15,7 +13,12 @@ namespace {
 
 /// What lies within this share of the scene's size of a plane lies on it.
 constexpr double on_plane = 1e-9;
-constexpr std::uint32_t rays_to_a_lamp = 64;
+constexpr std::uint32_t most_rays_to_a_lamp = 64;
+constexpr std::uint32_t fewest_rays_to_a_lamp = 16;
+constexpr std::uint32_t rays_to_all_lamps = 256;
+constexpr std::uint32_t leaf_size = 4;
+/// Lamps that bring the rest of the emitted power are left out.
+constexpr double most_of_power = 0.99;
 
 double largest(const Vec3d& v) { return std::max({v.x, v.y, v.z}); }
 
@@ -52,6 +55,16 @@ bool is_beyond(const Plane3& plane, std::span<const Vec3d> polygon, double toler
   return std::all_of(polygon.begin(), polygon.end(), [&](const Vec3d& p) { return plane.distance(p) <= tolerance; });
 }
 
+/// Whether a box lies outside another, or outside one of the half-spaces.
+bool misses(const Bounds& own, const Bounds& box, std::span<const Plane3> half_spaces, double tolerance) {
+  if (glm::any(glm::lessThan(own.upper, box.lower)) || glm::any(glm::greaterThan(own.lower, box.upper))) return true;
+  return std::any_of(half_spaces.begin(), half_spaces.end(), [&](const Plane3& s) {
+    const Vec3d farthest(s.normal.x > 0 ? own.upper.x : own.lower.x, s.normal.y > 0 ? own.upper.y : own.lower.y,
+                         s.normal.z > 0 ? own.upper.z : own.lower.z);
+    return s.distance(farthest) <= tolerance;
+  });
+}
+
 /// Cuts the pyramid over `blocker` seen from `point` out of the pieces.
 void cut_shadow(const Vec3d& point, std::span<const Vec3d> blocker, std::vector<std::vector<Vec3d>>& pieces) {
   const Vec3d plane = newell_vector(blocker);
@@ -82,7 +95,10 @@ LampIrradiance::LampIrradiance(const Scene& scene, const PatchMesh& faces, std::
   Mesh& mesh = occluders_->meshes.emplace_back();
   mesh.positions = faces.vertices;
   for (std::uint32_t p = 0; p < faces.patch_count(); ++p) {
+    Bounds& box = bounds_.emplace_back();
+    for (const Vec3d& v : faces.polygon(p)) box.grow(v);
     if (faces.surfaces[faces.surface_of[p]].back) continue;  // it stands where its front does
+    order_.push_back(p);
     const auto corners = faces.patch_corners(p);
     for (std::size_t c = 2; c < corners.size(); ++c) {
       mesh.triangles.push_back({corners[0], corners[c - 1], corners[c]});
@@ -98,8 +114,34 @@ LampIrradiance::LampIrradiance(const Scene& scene, const PatchMesh& faces, std::
     rounding_ = std::max(rounding_, float_error * largest_component(v));
   }
   size_ = faces.vertices.empty() ? 1 : length(all.upper - all.lower);
+  if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
   add_patches(most_lamps);
   add_lights();
+}
+
+std::uint32_t LampIrradiance::build(std::uint32_t first, std::uint32_t last) {
+  const auto number = static_cast<std::uint32_t>(nodes_.size());
+  Bounds all, centres;
+  const auto centre = [&](std::uint32_t p) { return 0.5 * (bounds_[p].lower + bounds_[p].upper); };
+  for (std::uint32_t k = first; k < last; ++k) {
+    all.grow(bounds_[order_[k]].lower);
+    all.grow(bounds_[order_[k]].upper);
+    centres.grow(centre(order_[k]));
+  }
+  nodes_.push_back({all, first, last, 0});
+  if (last - first <= leaf_size) return number;
+  const Vec3d size = centres.upper - centres.lower;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const std::uint32_t middle = (first + last) / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const double ca = centre(a)[axis], cb = centre(b)[axis];
+                     return ca != cb ? ca < cb : a < b;
+                   });
+  build(first, middle);
+  const std::uint32_t right = build(middle, last);
+  nodes_[number].right = right;
+  return number;
 }
 
 void LampIrradiance::add_patches(std::size_t most_lamps) {
@@ -114,8 +156,11 @@ void LampIrradiance::add_patches(std::size_t most_lamps) {
   const auto power = [&](std::uint32_t p) { return faces_.areas[p] * largest(emission(p)); };
   std::stable_sort(emitting.begin(), emitting.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return power(a) > power(b); });
-  if (emitting.size() > most_lamps) emitting.resize(most_lamps);
+  double all = 0, counted = 0;
+  for (const std::uint32_t p : emitting) all += power(p);
   for (const std::uint32_t p : emitting) {
+    if (lamps_.size() == most_lamps || counted >= most_of_power * all) break;
+    counted += power(p);
     const auto polygon = faces_.polygon(p);
     lamps_.push_back({Lamp::Kind::patch, {polygon.begin(), polygon.end()}, Vec3d(0), emission(p), p});
   }
@@ -161,31 +206,42 @@ void LampIrradiance::list_occluders(std::span<const Vec3d> receiver, const Plane
   const Plane3 lamp_plane = polygon_plane(lamp.corners);
   const double tolerance = on_plane * size_;
   std::vector<Plane3> shaft = hull_planes(receiver, lamp.corners, tolerance);
-  std::vector<Vec3d> above, between;
+  shaft.push_back(plane);
+  shaft.push_back(lamp_plane);
   Bounds box;
   for (const auto& polygon : {receiver, std::span<const Vec3d>(lamp.corners)}) {
     for (const Vec3d& p : polygon) box.grow(p);
   }
-  for (std::uint32_t p = 0; p < faces_.patch_count(); ++p) {
-    if (p == lamp.patch || faces_.surfaces[faces_.surface_of[p]].back) continue;
-    const auto polygon = faces_.polygon(p);
-    Bounds own;
-    for (const Vec3d& v : polygon) own.grow(v);
-    if (glm::any(glm::lessThan(own.upper, box.lower)) || glm::any(glm::greaterThan(own.lower, box.upper))) continue;
-    if (is_beyond(plane, polygon, tolerance) || is_beyond(lamp_plane, polygon, tolerance)) continue;
-    if (std::any_of(shaft.begin(), shaft.end(), [&](const Plane3& s) { return is_beyond(s, polygon, tolerance); })) {
+  std::vector<Vec3d> above, between;
+  std::vector<std::uint32_t> stack{0};
+  while (!stack.empty()) {
+    const Node& node = nodes_[stack.back()];
+    const std::uint32_t number = stack.back();
+    stack.pop_back();
+    if (misses(node.bounds, box, shaft, tolerance)) continue;
+    if (node.right != 0) {
+      stack.push_back(node.right);
+      stack.push_back(number + 1);
       continue;
     }
-    clip_polygon(polygon, plane, 0, above);
-    if (above.size() < 3) continue;
-    clip_polygon(above, lamp_plane, 0, between);
-    if (between.size() < 3) continue;
-    if (seen.occluders.size() == most_occluders) {
-      seen.by_rays = true;
-      seen.occluders.clear();
-      return;
+    for (std::uint32_t k = node.first; k < node.last; ++k) {
+      const std::uint32_t p = order_[k];
+      const auto polygon = faces_.polygon(p);
+      if (p == lamp.patch || misses(bounds_[p], box, shaft, tolerance)) continue;
+      if (std::any_of(shaft.begin(), shaft.end(), [&](const Plane3& s) { return is_beyond(s, polygon, tolerance); })) {
+        continue;
+      }
+      clip_polygon(polygon, plane, 0, above);
+      if (above.size() < 3) continue;
+      clip_polygon(above, lamp_plane, 0, between);
+      if (between.size() < 3) continue;
+      if (seen.occluders.size() == most_occluders) {
+        seen.by_rays = true;
+        seen.occluders.clear();
+        return;
+      }
+      seen.occluders.push_back(between);
     }
-    seen.occluders.push_back(between);
   }
   // The nearest to the lamp's size first: large ones leave less for the rest to cut.
   std::stable_sort(seen.occluders.begin(), seen.occluders.end(),
@@ -222,7 +278,9 @@ double LampIrradiance::sampled_factor(const Vec3d& point, const Vec3d& normal, c
   // The share of the lamp that is seen, each point weighed by what it brings.
   const Vec3d lamp_normal = polygon_normal(lamp.corners);
   double seen = 0, all = 0;
-  for (std::uint32_t k = 0; k < rays_to_a_lamp; ++k) {
+  const auto rays = std::clamp(rays_to_all_lamps / static_cast<std::uint32_t>(lamps_.size()), fewest_rays_to_a_lamp,
+                               most_rays_to_a_lamp);
+  for (std::uint32_t k = 0; k < rays; ++k) {
     Vec2d u = owen_sobol_2d(k, 0);
     const auto triangles = static_cast<double>(lamp.corners.size() - 2);
     const auto t = static_cast<std::size_t>(std::min(u.x * triangles, triangles - 1));

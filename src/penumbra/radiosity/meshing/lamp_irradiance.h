@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "penumbra/math/bounds.h"
 #include "penumbra/math/polygon.h"
 #include "penumbra/radiosity/patch_mesh.h"
 #include "penumbra/scene/scene.h"
@@ -26,15 +27,15 @@ struct Lamp {
 ///
 /// What a point sees of an emitting polygon is what remains when the pyramids over all polygons in between are cut out
 /// of it; Lambert's edge sum over the rest is exact. Where more than `most_occluders` polygons may stand in between,
-/// rays to 64 points of the lamp decide instead. Points, spots (taken as points that shine all around) and far lights
-/// get one shadow ray. Every face is opaque. Thread-safe.
+/// rays to points of the lamp decide instead (64, fewer where there are many lamps). Points, spots (taken as points
+/// that shine all around) and far lights get one shadow ray. Every face is opaque. Thread-safe.
 class LampIrradiance {
  public:
-  static constexpr std::size_t most_occluders = 256;
+  static constexpr std::size_t most_occluders = 32;
 
   /// @param faces the scene's faces as make_element_faces gives them; scene and faces must outlive this. Of the patches
-  /// that emit only the `most_lamps` with the largest power count.
-  LampIrradiance(const Scene& scene, const PatchMesh& faces, std::size_t most_lamps = 64);
+  /// that emit only those with the largest power count: 99 % of it, at most `most_lamps`.
+  LampIrradiance(const Scene& scene, const PatchMesh& faces, std::size_t most_lamps = 16);
 
   [[nodiscard]] std::span<const Lamp> lamps() const { return lamps_; }
   [[nodiscard]] const PatchMesh& faces() const { return faces_; }
@@ -69,6 +70,12 @@ class LampIrradiance {
  private:
   void add_patches(std::size_t most_lamps);
   void add_lights();
+  struct Node {
+    Bounds bounds;
+    std::uint32_t first, last;
+    std::uint32_t right = 0;  // the left child follows its parent; 0: a leaf
+  };
+  std::uint32_t build(std::uint32_t first, std::uint32_t last);
   void list_occluders(std::span<const Vec3d> receiver, const Plane3& plane, View::Seen& seen) const;
   [[nodiscard]] double visible_factor(const Vec3d& point, const Vec3d& normal, const View::Seen& seen) const;
   [[nodiscard]] double sampled_factor(const Vec3d& point, const Vec3d& normal, const Lamp& lamp) const;
@@ -80,6 +87,9 @@ class LampIrradiance {
   std::unique_ptr<Scene> occluders_;
   std::unique_ptr<RayTracer> tracer_;
   std::vector<std::uint32_t> patch_of_triangle_;
+  std::vector<std::uint32_t> order_;  // patches, fronts only, in the order of the leaves
+  std::vector<Bounds> bounds_;        // by patch
+  std::vector<Node> nodes_;
   double rounding_ = 0;
   double size_ = 0;
 };

@@ -1,13 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
-#include <vector>
 
 #include "penumbra/math/vec.h"
 #include "penumbra/radiosity/meshing/face_table.h"
-#include "penumbra/tracing/placed_mesh.h"
 
 namespace penumbra {
 
@@ -25,19 +22,22 @@ class SurfaceAverage {
   /// The scene and the table must outlive this.
   SurfaceAverage(const Scene& scene, const FaceTable& faces);
 
-  /// The mean over a convex polygon that lies on a face, world space. About one sample a texel, on a regular grid, so
-  /// that what varies linearly is averaged exactly.
+  /// The mean over a convex polygon that lies on a face, world space. About one sample a texel, at most 576 for each
+  /// triangle of the polygon, on a regular grid, so that what varies linearly is averaged exactly. A face has the
+  /// material of its first triangle.
   [[nodiscard]] SurfacePaint over(std::uint32_t face, std::span<const Vec3d> polygon) const;
 
  private:
   struct FaceSurface;
 
   [[nodiscard]] bool is_even(const Material& material, std::size_t object) const;
-  [[nodiscard]] double detail(std::uint32_t face, const Material& material, const PlacedMesh& mesh) const;
+  [[nodiscard]] double detail(std::uint32_t face, std::size_t object, const Material& material) const;
+  [[nodiscard]] FaceSurface surface_of(std::uint32_t face, std::size_t object) const;
+  [[nodiscard]] SurfacePaint sampled(const FaceSurface& surface, const Material& material, double samples_per_area,
+                                     std::span<const Vec3d> polygon) const;
 
   const Scene* scene_;
   const FaceTable* faces_;
-  std::vector<PlacedMesh> placed_;  // by instance
 };
 
 }  // namespace penumbra
