@@ -106,6 +106,26 @@ TEST(HeatExchange, TemperaturesAndFluxesAreInversesOfEachOther) {
   }
 }
 
+// Large systems are solved by sweeps.
+TEST(HeatExchange, SweepsComeToTheSameAsElimination) {
+  const FactorMatrix factors = test::convex_factors(test::element_mesh(Dice(4).convex_cavity(20)));
+  std::vector<HeatSurface> surfaces;
+  for (std::size_t i = 0; i < factors.rows(); ++i) {
+    surfaces.push_back(i % 3 == 0 ? at(300 + 20 * static_cast<double>(i), 0.5) : fed(i % 3 == 1 ? 0 : -5, 0.7));
+  }
+  HeatExchangeOptions sweeps;
+  sweeps.most_direct = 0;
+  sweeps.tolerance = 1e-13;
+  const auto swept = solve_heat_exchange(surfaces, factors, sweeps);
+  const auto eliminated = solve_heat_exchange(surfaces, factors);
+  EXPECT_TRUE(swept.converged);
+  EXPECT_GT(swept.iterations, std::size_t{1});
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    EXPECT_NEAR(swept.temperature[i], eliminated.temperature[i], 1e-6);
+    EXPECT_NEAR(swept.heat_flux[i], eliminated.heat_flux[i], 1e-6);
+  }
+}
+
 // An isothermal enclosure exchanges nothing, also with surroundings of its own temperature.
 TEST(HeatExchange, AtOneTemperatureNothingFlows) {
   FactorMatrix factors = test::convex_factors(test::element_mesh(Dice(6).convex_cavity(20)));

@@ -10,6 +10,7 @@
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/output_file.h"
+#include "penumbra/io/csv_table.h"
 #include "penumbra/io/npy_array.h"
 #include "penumbra/io/npz_reader.h"
 #include "penumbra/io/zip_writer.h"
@@ -74,14 +75,6 @@ void write_npz(const std::filesystem::path& path, const ElementTable& t) {
   zip.add("partial.npy", npy_truth(t.partial));
   zip.finish();
   out.commit();
-}
-
-// RFC 4180: quotes around what holds a comma, a quote or a line end.
-std::string csv_word(const std::string& word) {
-  if (word.find_first_of(",\"\r\n") == std::string::npos) return word;
-  std::string out = "\"";
-  for (const char c : word) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
 }
 
 void write_csv(const std::filesystem::path& path, const ElementTable& t) {

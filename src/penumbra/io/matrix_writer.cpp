@@ -9,6 +9,7 @@
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/output_file.h"
+#include "penumbra/io/csv_table.h"
 #include "penumbra/io/npy_array.h"
 #include "penumbra/io/spool_file.h"
 #include "penumbra/io/zip_writer.h"
@@ -137,14 +138,6 @@ class CsvWriter final : public MatrixWriter {
     values.resize(count);
     take(std::as_writable_bytes(std::span(columns)));
     take(std::as_writable_bytes(std::span(values)));
-  }
-
-  // RFC 4180: quotes around what holds a comma, a quote or a line end.
-  static std::string csv_word(const std::string& word) {
-    if (word.find_first_of(",\"\r\n") == std::string::npos) return word;
-    std::string out = "\"";
-    for (const char c : word) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
   }
 
   OutputFile out_;

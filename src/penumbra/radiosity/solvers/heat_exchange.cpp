@@ -9,7 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include "penumbra/radiosity/solvers/direct.h"
 #include "penumbra/radiosity/solvers/gauss_seidel.h"
 #include "penumbra/radiosity/solvers/radiosity_problem.h"
 
@@ -123,7 +122,7 @@ HeatExchange solve_heat_exchange(const std::vector<HeatSurface>& surfaces, const
   solver.tolerance = options.tolerance;
   solver.max_iterations = options.max_iterations;
   solver.progress = options.progress;
-  const RadiositySolution solution = surfaces.size() <= most_direct_elements
+  const RadiositySolution solution = surfaces.size() <= options.most_direct
                                          ? solve_direct(problem, factors, solver)
                                          : solve_gauss_seidel(problem, factors, solver);
   HeatExchange result;

@@ -7,6 +7,7 @@
 
 #include "penumbra/parallel/progress.h"
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
+#include "penumbra/radiosity/solvers/direct.h"
 
 namespace penumbra {
 
@@ -27,6 +28,7 @@ struct HeatExchangeOptions {
   double surroundings_temperature = 0;  ///< K, of the black surroundings that rows see which sum to less than 1
   double tolerance = 1e-10;        ///< of the residual over the largest source, where the system is solved by iteration
   std::size_t max_iterations = 0;  ///< 0: a safe limit
+  std::size_t most_direct = most_direct_elements;  ///< surfaces that are solved for by LU
   Progress progress;
 };
 
@@ -56,7 +58,7 @@ struct HeatExchange {
 ///
 /// then q_i = eps_i (sigma T_i^4 - H_i), or sigma T_i^4 = H_i + q_i / eps_i. The system has the form of the radiosity
 /// equation, with reflectance 1 and emission q where the flux is given; sources and sinks of heat are solved for as two
-/// bands. Up to `most_direct_elements` surfaces by LU, above by Gauss-Seidel.
+/// bands. Up to `most_direct` surfaces by LU, above by Gauss-Seidel.
 /// Throws std::invalid_argument, naming the surface: for values out of range, both or none given, a heat flux that no
 /// temperature can give (more heat taken than arrives), a flux of a perfect reflector, or fluxes alone in an enclosure
 /// that nothing leaves (its temperature could be any).
