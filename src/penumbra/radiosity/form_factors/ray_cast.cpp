@@ -85,15 +85,26 @@ class RayCaster::Tally {
       double sum = 0;
       for (const std::uint32_t h : count.hits) sum += h;
       const double mean = sum / scrambles;
-      double scatter = 0;
-      for (const std::uint32_t h : count.hits) scatter += (h - mean) * (h - mean);
-      out.push_back({count.patch, mean / rays, std::sqrt(scatter / (scrambles * (scrambles - 1.0))) / rays});
+      out.push_back({count.patch, mean / rays, std::sqrt(variance(count, sum, rays)) / (double{scrambles} * rays)});
     }
     std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.patch < b.patch; });
     return out;
   }
 
  private:
+  // Of the sum of all hits. The scatter of the scrambles has few degrees of freedom, and with a handful of hits it
+  // knows little: the binomial variance of random rays, which low-discrepancy ones hardly exceed, counts for
+  // `prior_freedom` more (a moderated variance, Smyth 2004), and one hit is added for what a count near zero cannot
+  // tell.
+  template <class Hits>
+  [[nodiscard]] static double variance(const Hits& count, double sum, std::uint32_t rays) {
+    constexpr double freedom = scrambles - 1, prior_freedom = 2;
+    double scatter = 0;
+    for (const std::uint32_t h : count.hits) scatter += (h - sum / scrambles) * (h - sum / scrambles);
+    const double binomial = sum * (1 - sum / (double{scrambles} * rays));
+    return (scrambles * scatter + prior_freedom * binomial) / (freedom + prior_freedom) + 1;
+  }
+
   static constexpr std::uint32_t no_slot = 0xFFFFFFFFU;
   struct Count {
     std::uint32_t patch;
