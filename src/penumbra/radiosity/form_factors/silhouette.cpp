@@ -10,6 +10,8 @@ namespace {
 // Squared sine of an angle; vertices are moved by 1e-8 of their polygons' size.
 constexpr double straight = 1e-13;
 
+bool is_rim(const Silhouette::Edge& e) { return e.step != 0 || e.first != e.last; }
+
 }  // namespace
 
 void Silhouette::Memory::forget(std::size_t size) {
@@ -41,14 +43,21 @@ void Silhouette::clear() {
   pending_.clear();
 }
 
-std::uint32_t Silhouette::vertex(const OccluderPolygons& occluders, std::uint32_t v, const Plane3& receiver,
-                                 const Plane3& source) {
+/// What stands on one of the planes is not cut by it: such a vertex moves into the horizon, or stays.
+std::uint32_t Silhouette::vertex(const OccluderPolygons& occluders, std::uint32_t v, const Plane3& horizon,
+                                 const Plane3& source, double slack) {
   std::uint32_t& known = vertex_of_.at(v, none);
   if (known == none) {
     known = static_cast<std::uint32_t>(vertices_.size());
-    const Vec3d& p = occluders.vertices[v];
+    Vec3d p = occluders.vertices[v];
+    std::array<double, 2> heights{horizon.distance(p), source.distance(p)};
+    if (std::abs(heights[0]) <= 2 * slack) {
+      p -= heights[0] * horizon.normal;
+      heights[0] = 0;
+    }
+    if (std::abs(heights[1]) <= slack) heights[1] = 0;
     vertices_.push_back(p);
-    heights_.push_back({receiver.distance(p), source.distance(p)});
+    heights_.push_back(heights);
   }
   return known;
 }
@@ -144,8 +153,8 @@ void Silhouette::assign_turning_polygons() {
 
 /// Makes one edge of two that go straight on, where nothing else meets them: rims of walls that were cut into pieces.
 void Silhouette::join_straight_edges() {
+  bool joined = false;
   meeting_.assign(vertices_.size(), {});
-  const auto is_rim = [](const Edge& e) { return e.step != 0 || e.first != e.last; };
   for (std::uint32_t e = 0; e < edges_.size(); ++e) {
     if (!is_rim(edges_[e])) continue;
     for (std::uint32_t v : {edges_[e].from, edges_[e].to}) {
@@ -169,6 +178,28 @@ void Silhouette::join_straight_edges() {
     out.step = 0;
     for (std::uint32_t& e : meeting_[into.to].edges)
       if (e == at.edges[1]) e = at.edges[0];
+    joined = true;
+  }
+  if (joined) join_coinciding_edges();
+}
+
+/// Slivers whose rim was straightened leave edges that coincide: one is left, with the sum of their steps.
+void Silhouette::join_coinciding_edges() {
+  by_ends_.clear();
+  for (std::uint32_t e = 0; e < edges_.size(); ++e)
+    if (is_rim(edges_[e])) by_ends_.push_back({std::minmax(edges_[e].from, edges_[e].to), e});
+  std::sort(by_ends_.begin(), by_ends_.end());
+  for (std::size_t k = 0; k + 1 < by_ends_.size(); ++k) {
+    if (by_ends_[k].first != by_ends_[k + 1].first) continue;
+    Edge* gone = &edges_[by_ends_[k].second];
+    Edge* kept = &edges_[by_ends_[k + 1].second];
+    if (gone->first != gone->last) {  // what turns stays
+      if (kept->first != kept->last) continue;
+      std::swap(gone, kept);
+      std::swap(by_ends_[k].second, by_ends_[k + 1].second);
+    }
+    kept->step += gone->from == kept->from ? gone->step : -gone->step;
+    gone->step = 0;
   }
 }
 
@@ -177,7 +208,7 @@ void Silhouette::drop_inner_edges() {
   used_.assign(vertices_.size(), none);
   std::size_t kept = 0, vertex_count = 0;
   for (Edge edge : edges_) {
-    if (edge.step == 0 && edge.first == edge.last) continue;
+    if (!is_rim(edge)) continue;
     for (std::uint32_t* v : {&edge.from, &edge.to}) {
       if (used_[*v] == none) used_[*v] = static_cast<std::uint32_t>(vertex_count++);
       *v = used_[*v];
@@ -198,21 +229,22 @@ void Silhouette::build(const OccluderPolygons& occluders, std::span<const std::u
   vertex_of_.forget(occluders.vertices.size());
   edge_of_.forget(occluders.edges.size());
   for (Memory& memory : cut_of_) memory.forget(occluders.edges.size());
-  // A hair below the horizon, so that no edge lies on that of a source which reaches down to it.
+  // A hair above the horizon: no edge lies on one of a source that reaches down to it, and none dips below, where signs
+  // can not tell a direction from its opposite. What shines through underneath is the square of a hair.
   Plane3 horizon = receiver_plane;
   double slack = 0;
   for (std::uint32_t k : blockers) slack = std::max(slack, occluders.slack[k]);
-  horizon.offset -= slack;
+  horizon.offset += slack;
   for (std::uint32_t k : blockers) {
     ring_.clear();
     double over_receiver = 0, over_source = 0;
     for (std::uint32_t c = occluders.corner_offsets[k]; c < occluders.corner_offsets[k + 1]; ++c) {
-      const std::uint32_t v = vertex(occluders, occluders.corner_vertices[c], horizon, source_plane);
+      const std::uint32_t v = vertex(occluders, occluders.corner_vertices[c], horizon, source_plane, slack);
       ring_.push_back({v, occluders.corner_edges[c]});
       over_receiver = std::max(over_receiver, heights_[v][0]);
       over_source = std::max(over_source, heights_[v][1]);
     }
-    if (over_receiver - slack <= occluders.slack[k] || over_source <= occluders.slack[k]) continue;
+    if (over_receiver <= 0 || over_source <= occluders.slack[k]) continue;
     for (int plane = 0; plane < 2 && ring_.size() >= 3; ++plane) clip(plane);
     if (ring_.size() < 3) continue;
     ++polygon_count_;

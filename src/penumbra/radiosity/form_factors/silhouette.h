@@ -72,14 +72,15 @@ class Silhouette {
     std::uint32_t& at(std::uint32_t key, std::uint32_t otherwise);
   };
 
-  std::uint32_t vertex(const OccluderPolygons& occluders, std::uint32_t v, const Plane3& receiver,
-                       const Plane3& source);
+  std::uint32_t vertex(const OccluderPolygons& occluders, std::uint32_t v, const Plane3& horizon, const Plane3& source,
+                       double slack);
   void clip(int plane);
   std::uint32_t cut(int plane, std::uint32_t edge, std::uint32_t a, std::uint32_t b);
   std::uint32_t turning_plane(const Plane3& plane, double slack);
   void add_sides(const Plane3& plane, double slack, std::span<const Vec3d> receiver);
   void assign_turning_polygons();
   void join_straight_edges();
+  void join_coinciding_edges();
   void drop_inner_edges();
 
   std::size_t polygon_count_ = 0;
@@ -92,6 +93,7 @@ class Silhouette {
   std::vector<Corner> ring_, clipped_;
   std::vector<std::pair<std::uint32_t, Turning>> pending_;  // edge, polygon
   std::vector<Meeting> meeting_;
+  std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>> by_ends_;  // ends, edge
   std::vector<std::uint32_t> used_;
   std::vector<Vec3d> moved_;
   Memory vertex_of_, edge_of_;
