@@ -13,7 +13,6 @@
 #include "penumbra/math/sampling.h"
 #include "penumbra/math/sobol.h"
 #include "penumbra/parallel/parallel_for.h"
-#include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/light_sampling.h"
 
@@ -270,7 +269,11 @@ void check(const DirectIrradianceOptions& options) {
 DirectIrradiance direct_irradiance(const Scene& scene, const PatchMesh& elements,
                                    const DirectIrradianceOptions& options) {
   check(options);
-  const MadePatchMesh faces = make_element_faces(scene, PatchSides::front, options.shape_segments);
+  PatchMeshOptions whole_faces;
+  whole_faces.degenerate = DegenerateFaces::drop;
+  whole_faces.duplicates = DuplicateFaces::drop;
+  whole_faces.shape_segments = options.shape_segments;
+  const MadePatchMesh faces = make_patch_mesh(scene, whole_faces);
   const Gatherer gatherer(scene, faces.mesh, options);
   DirectIrradiance result;
   result.light_power.assign(3, 0);

@@ -91,7 +91,7 @@ void cut_shadow(const Vec3d& point, std::span<const Vec3d> blocker, std::vector<
 }  // namespace
 
 LampIrradiance::LampIrradiance(const Scene& scene, const PatchMesh& faces, std::size_t most_lamps)
-    : scene_(scene), faces_(faces), occluders_(std::make_unique<Scene>()) {
+    : scene_(scene), faces_(faces), sampler_(scene), occluders_(std::make_unique<Scene>()) {
   Mesh& mesh = occluders_->meshes.emplace_back();
   mesh.positions = faces.vertices;
   for (std::uint32_t p = 0; p < faces.patch_count(); ++p) {
@@ -167,14 +167,23 @@ void LampIrradiance::add_patches(std::size_t most_lamps) {
 }
 
 void LampIrradiance::add_lights() {
-  for (const Light& light : scene_.lights) {
-    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
-      lamps_.push_back({Lamp::Kind::point, {point->position}, Vec3d(0), Vec3d(point->intensity)});
-    } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
-      lamps_.push_back({Lamp::Kind::point, {spot->position}, Vec3d(0), Vec3d(spot->intensity)});
-    } else if (const auto* far = std::get_if<DirectionalLight>(&light.kind)) {
-      lamps_.push_back({Lamp::Kind::far, {}, far->direction, Vec3d(far->irradiance)});
+  for (std::uint32_t k = 0; k < sampler_.light_count(); ++k) {
+    if (sampler_.light(k).kind != LightSampler::Kind::punctual) continue;
+    Lamp lamp;
+    lamp.light = k;
+    const auto& kind = scene_.lights[sampler_.light(k).index].kind;
+    if (const auto* far = std::get_if<DirectionalLight>(&kind)) {
+      lamp.kind = Lamp::Kind::far;
+      lamp.direction = far->direction;
+      lamp.strength = Vec3d(far->irradiance);
+    } else {
+      const auto* point = std::get_if<PointLight>(&kind);
+      const auto* spot = std::get_if<SpotLight>(&kind);
+      lamp.kind = Lamp::Kind::point;
+      lamp.corners = {point != nullptr ? point->position : spot->position};
+      lamp.strength = Vec3d(point != nullptr ? point->intensity : spot->intensity);
     }
+    lamps_.push_back(std::move(lamp));
   }
 }
 
@@ -307,12 +316,13 @@ Vec3d LampIrradiance::View::at(const Vec3d& point) const {
                                            : owner_->visible_factor(point, normal_, seen));
       continue;
     }
-    const bool far = lamp.kind == Lamp::Kind::far;
-    const Vec3d way = far ? -lamp.direction : lamp.corners[0] - point;
-    const double distance = length(way), cosine = dot(way, normal_) / distance;
-    if (!(cosine > 0)) continue;
-    if (owner_->is_hidden(point, normal_, way / distance, far ? 2 * owner_->size_ : distance)) continue;
-    sum += lamp.strength * (far ? cosine : cosine / (distance * distance));
+    SurfacePoint from;
+    from.position = point;
+    from.error = Vec3d(owner_->rounding_);
+    from.geometric_normal = from.shading_normal = normal_;
+    const auto sample = owner_->sampler_.sample_light(lamp.light, from, Vec2d(0));
+    if (!sample || owner_->tracer_->occluded(sample->shadow_ray)) continue;
+    sum += std::max(0.0, dot(sample->direction, normal_)) * Vec3d(sample->radiance);
   }
   return sum;
 }

@@ -10,6 +10,7 @@
 #include "penumbra/radiosity/patch_mesh.h"
 #include "penumbra/scene/scene.h"
 #include "penumbra/tracing/ray_tracer.h"
+#include "penumbra/tracing/shading/light_sampling.h"
 
 namespace penumbra {
 
@@ -21,6 +22,7 @@ struct Lamp {
   Vec3d direction{0};          ///< of a far light, unit, the way light goes
   Vec3d strength{0};           ///< radiosity of a patch, W/m^2; intensity of a point, W/sr; irradiance of a far light
   std::uint32_t patch = 0xffffffffU;  ///< of the faces
+  std::uint32_t light = 0;            ///< number in the LightSampler of the scene; not for a patch
 };
 
 /// Irradiance at points straight from what emits: where shadows fall, exactly.
@@ -83,6 +85,7 @@ class LampIrradiance {
 
   const Scene& scene_;
   const PatchMesh& faces_;
+  LightSampler sampler_;
   std::vector<Lamp> lamps_;
   std::unique_ptr<Scene> occluders_;
   std::unique_ptr<RayTracer> tracer_;
