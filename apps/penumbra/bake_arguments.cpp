@@ -22,7 +22,7 @@ void check_output(const BakeArguments& a) {
     throw UsageError(fmt::format("-o {}: a solution is written as {}; end the name in one of them", a.output,
                                  fmt::join(known, ", ")));
   }
-  const bool coloured = extension == ".glb" || extension == ".ply";
+  const bool coloured = a.snapshots || extension == ".glb" || extension == ".ply";
   if (a.profile && extension != ".glb") throw UsageError("--profile belongs to a .glb output");
   if (a.exposure && !coloured) {
     throw UsageError("--exposure belongs to .glb and .ply outputs; " + extension + " holds the values themselves");
@@ -31,6 +31,40 @@ void check_output(const BakeArguments& a) {
     throw UsageError("--stats and -o both name " + a.output + "; give the report a name of its own");
   }
   check_creatable(a.output);
+}
+
+void add_snapshot_options(OptionParser& parser, BakeArguments& a) {
+  parser.group("Snapshots");
+  parser.value(
+      "--snapshots", "DIR",
+      "write a picture of each stage there, stage-00001.png and on, 400 pixels wide, exposed as --exposure says",
+      [&](const OptionValue& v) { a.snapshots = v.text; });
+  parser.value("--snapshot-every", "K", "a picture every K sweeps, bounces or shots (default: 1; 100 for shooting)",
+               [&](const OptionValue& v) {
+                 a.snapshot_every = static_cast<std::size_t>(whole_number(v, 1, 1'000'000'000, "stages"));
+               });
+  parser.flag("--snapshot-meshes", "write each stage's elements beside its picture, as .ply", a.snapshot_meshes);
+  add_camera_options(parser, a.camera);
+}
+
+void check_snapshots(const BakeArguments& a) {
+  if (!a.snapshots) {
+    if (a.snapshot_every) throw UsageError("--snapshot-every belongs to --snapshots DIR");
+    if (a.snapshot_meshes) throw UsageError("--snapshot-meshes belongs to --snapshots DIR");
+    if (a.camera.name || a.camera.eye || a.camera.look_at || a.camera.up || a.camera.fov) {
+      throw UsageError("the camera's options belong to --snapshots DIR; a solution is for every view");
+    }
+    return;
+  }
+  check(a.camera);
+  if (a.radiosity.solver == "direct") {
+    throw UsageError("--snapshots does not apply to --solver direct, which has no stages");
+  }
+  std::error_code error;
+  std::filesystem::create_directories(*a.snapshots, error);
+  if (error || !std::filesystem::is_directory(*a.snapshots)) {
+    throw UsageError("--snapshots " + *a.snapshots + ": the folder cannot be made; name another");
+  }
 }
 
 }  // namespace
@@ -56,6 +90,7 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
                  }
                });
   add_radiosity_options(parser, result.radiosity);
+  add_snapshot_options(parser, result);
   add_scene_options(parser, result.scene);
   add_common_options(parser, result.common);
   parser.examples({"penumbra bake builtin:cornell-box --elements 10000 -o cornell.npz",
@@ -64,6 +99,7 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
   check(result.scene);
   check(result.radiosity);
   check_output(result);
+  check_snapshots(result);
   check_report(result.common);
   return result;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_options.h"
 #include "common_options.h"
 #include "radiosity_options.h"
 #include "scene_options.h"
@@ -17,6 +18,10 @@ struct BakeArguments {
   std::string output;
   std::optional<double> exposure;  ///< stops (EV), of a .glb
   std::optional<std::string> profile;
+  std::optional<std::string> snapshots;  ///< a folder for a picture of each stage
+  std::optional<std::size_t> snapshot_every;
+  bool snapshot_meshes = false;
+  CameraOptions camera;  ///< of the snapshots
   CommonOptions common;
 };
 

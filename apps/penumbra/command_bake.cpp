@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <optional>
 
 #include "bake_arguments.h"
 #include "command.h"
@@ -9,6 +10,7 @@
 #include "interrupt.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "report.h"
+#include "snapshots.h"
 #include "solution_file.h"
 
 namespace penumbra::cli {
@@ -124,6 +126,11 @@ int bake_scene(const BakeArguments& arguments) {
   const Stopwatch solve_watch;
   SolverOptions options = solver_options(arguments.radiosity);
   options.progress = progress;
+  std::optional<Snapshots> snapshots;
+  if (arguments.snapshots) {
+    snapshots.emplace(arguments, scene, *setup);
+    options.on_stage = [&](const SolverStage& stage) { snapshots->take(stage); };
+  }
   const SceneRadiosity solved = solve(*setup, options);
   seconds.solve = solve_watch.seconds();
 

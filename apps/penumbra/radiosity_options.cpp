@@ -15,8 +15,8 @@ constexpr long long most_elements = 100'000'000;
 constexpr long long most_iterations = 1'000'000'000;
 constexpr double share_of_free_memory = 0.8;
 
-const std::vector<std::pair<std::string, Subdivision>> subdivisions{{"none", Subdivision::none},
-                                                                    {"uniform", Subdivision::uniform}};
+const std::vector<std::pair<std::string, Subdivision>> subdivisions{
+    {"none", Subdivision::none}, {"uniform", Subdivision::uniform}, {"adaptive", Subdivision::adaptive}};
 
 template <class Names>
 std::vector<std::pair<std::string, std::string>> choices_of(const Names& names) {
@@ -32,21 +32,36 @@ double above_zero(const OptionValue& v, std::string_view what) {
 }
 
 void add_mesh_options(OptionParser& parser, RadiosityOptions& o) {
-  parser.value("--subdivide", "none|uniform",
-               "none keeps one element an input polygon, uniform cuts all to one size (default: uniform)",
-               [&](const OptionValue& v) {
-                 o.subdivision = choice<Subdivision>(v, subdivisions);
-                 o.given = true;
-               });
-  parser.value("--element-size", "M",
-               "longest edge of an element, m; a rectangle becomes a grid of ceil(edge / M) each way",
-               [&](const OptionValue& v) {
-                 o.element_size = above_zero(v, "a length in metres above 0");
-                 o.given = true;
-               });
-  parser.value("--elements", "N", "cut the scene into about this many elements, both sides counted (default: 5000)",
+  parser.value(
+      "--subdivide", "none|uniform|adaptive",
+      "none keeps one element an input polygon, uniform cuts all to one size, adaptive cuts along shadow lines "
+      "and where the light varies (default: uniform)",
+      [&](const OptionValue& v) {
+        o.subdivision = choice<Subdivision>(v, subdivisions);
+        o.given = true;
+      });
+  parser.value(
+      "--element-size", "M",
+      "longest edge of an element, m; a rectangle becomes a grid of ceil(edge / M) each way (adaptive: to begin "
+      "with)",
+      [&](const OptionValue& v) {
+        o.element_size = above_zero(v, "a length in metres above 0");
+        o.given = true;
+      });
+  parser.value("--elements", "N",
+               "cut the scene into about this many elements, both sides counted (adaptive: at most) (default: 5000)",
                [&](const OptionValue& v) {
                  o.elements = static_cast<std::size_t>(whole_number(v, 1, most_elements, "elements"));
+                 o.given = true;
+               });
+}
+
+void add_contrast_option(OptionParser& parser, RadiosityOptions& o) {
+  parser.value("--contrast", "X",
+               "adaptive: elements whose interpolated light is within this share of the scene's brightest are not cut "
+               "further (default: 1e-3)",
+               [&](const OptionValue& v) {
+                 o.contrast = above_zero(v, "a share above 0, such as 1e-3");
                  o.given = true;
                });
 }
@@ -120,6 +135,7 @@ void add_radiosity_options(OptionParser& parser, RadiosityOptions& o) {
                  o.given = true;
                });
   add_mesh_options(parser, o);
+  add_contrast_option(parser, o);
   add_factor_options(parser, o);
   add_iteration_options(parser, o);
 }
@@ -147,7 +163,10 @@ void check(const RadiosityOptions& o) {
     throw UsageError(fmt::format("{} does not apply to --subdivide none, which keeps the input polygons; leave it away",
                                  o.element_size ? "--element-size" : "--elements"));
   }
-  if (o.element_size && o.elements) {
+  if (o.contrast && o.subdivision != Subdivision::adaptive) {
+    throw UsageError("--contrast belongs to --subdivide adaptive");
+  }
+  if (o.element_size && o.elements && o.subdivision != Subdivision::adaptive) {
     throw UsageError("--element-size and --elements both set the size of elements; give one of them");
   }
 }
@@ -157,6 +176,7 @@ RadiositySetupOptions setup_options(const RadiosityOptions& o, bool front_sides_
   setup.subdivision = o.subdivision;
   setup.element_size = o.element_size.value_or(0);
   setup.element_count = o.elements.value_or(setup.element_count);
+  setup.contrast = o.contrast.value_or(setup.contrast);
   setup.front_sides_only = front_sides_only;
   setup.form_factors = o.form_factors;
   setup.factors.tolerance = o.factor_tolerance.value_or(1e-3);

@@ -15,6 +15,7 @@ struct RadiosityOptions {
   Subdivision subdivision = Subdivision::uniform;
   std::optional<double> element_size;
   std::optional<std::size_t> elements;
+  std::optional<double> contrast;
   std::optional<double> factor_tolerance;
   std::optional<int> rays, resolution;
   std::optional<double> tolerance, stop_at;

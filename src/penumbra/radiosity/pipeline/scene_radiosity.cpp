@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "penumbra/radiosity/direct_irradiance.h"
+#include "penumbra/radiosity/meshing/adaptive_elements.h"
 #include "penumbra/radiosity/meshing/uniform.h"
 #include "penumbra/radiosity/solvers/factor_rows.h"
 #include "penumbra/radiosity/solvers/shooting.h"
@@ -35,7 +36,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
-void make_elements(const Scene& scene, const RadiositySetupOptions& options, RadiositySetup& setup) {
+void cut_evenly(const Scene& scene, const RadiositySetupOptions& options, RadiositySetup& setup) {
   MeshingOptions meshing;
   if (options.subdivision == Subdivision::uniform) {
     meshing.element_size = options.element_size;
@@ -44,6 +45,28 @@ void make_elements(const Scene& scene, const RadiositySetupOptions& options, Rad
   MadePatchMesh made = make_uniform_elements(scene, meshing);
   setup.mesh = std::move(made.mesh);
   setup.warnings = std::move(made.warnings);
+}
+
+void cut_where_light_varies(const Scene& scene, const RadiositySetupOptions& options, const Progress& progress,
+                            RadiositySetup& setup) {
+  AdaptiveMeshingOptions meshing;
+  meshing.element_count = options.element_count;
+  meshing.element_size = options.element_size;
+  meshing.contrast = options.contrast;
+  meshing.progress = progress;
+  AdaptiveMesh made = make_adaptive_elements(scene, meshing);
+  setup.mesh = std::move(made.elements);
+  setup.warnings = std::move(made.warnings);
+  setup.partial = made.partial;
+}
+
+void make_elements(const Scene& scene, const RadiositySetupOptions& options, const Progress& progress,
+                   RadiositySetup& setup) {
+  if (options.subdivision == Subdivision::adaptive) {
+    cut_where_light_varies(scene, options, progress, setup);
+  } else {
+    cut_evenly(scene, options, setup);
+  }
   if (setup.mesh.surface_count() == 0) {
     throw std::invalid_argument("the scene has no surface, so there is nothing to distribute light on");
   }
@@ -105,7 +128,7 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   setup->front_sides_only = options.front_sides_only;
   Stopwatch watch;
   progress.tell("mesh", 0);
-  make_elements(scene, options, *setup);
+  make_elements(scene, options, progress, *setup);
   setup->problem = make_radiosity_problem(setup->mesh);
   setup->seconds.mesh = watch.lap();
 
@@ -123,7 +146,7 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
     refuse_what_does_not_fit(options, setup->mesh.surface_count());
     setup->factors = assemble_factor_matrix(*method, setup->mesh, progress);
   }
-  setup->partial = direct.partial || setup->factors.partial;
+  setup->partial = setup->partial || direct.partial || setup->factors.partial;
   setup->seconds.form_factors = watch.lap();
   return setup;
 }

@@ -17,8 +17,9 @@
 namespace penumbra {
 
 enum class Subdivision {
-  none,     ///< one element an input polygon
-  uniform,  ///< elements of one size
+  none,      ///< one element an input polygon
+  uniform,   ///< elements of one size
+  adaptive,  ///< elements cut along shadow lines and where the light varies
 };
 
 /// How a scene becomes a system of equations.
@@ -26,6 +27,7 @@ struct RadiositySetupOptions {
   Subdivision subdivision = Subdivision::uniform;
   double element_size = 0;           ///< m, the longest edge allowed; 0: by count
   std::size_t element_count = 5000;  ///< about this many, both sides counted
+  double contrast = 1e-3;            ///< adaptive: see AdaptiveMeshingOptions
   bool front_sides_only = false;     ///< backs are black and opaque
   std::string form_factors = "auto";
   FormFactorOptions factors;
