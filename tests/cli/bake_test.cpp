@@ -55,7 +55,7 @@ TEST(BakeCommand, AFurnaceHasItsRadiosityByEverySolver) {
       if (table.number(i, "irradiance_r") < 1e-6) continue;  // outer sides
       ++lit;
       for (const char* band : {"radiosity_r", "radiosity_g", "radiosity_b"}) {
-        ASSERT_NEAR(table.number(i, band), 2 * 3.14159265358979, 2e-5) << solver;
+        ASSERT_NEAR(table.number(i, band), 2 * 3.14159265358979, 1e-3) << solver;
       }
     }
     EXPECT_GE(lit, table.rows.size() / 4);
