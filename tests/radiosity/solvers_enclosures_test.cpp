@@ -162,13 +162,13 @@ TEST(Enclosures, SpheresOfAnyPattern) {
         return patterned_sphere_error(
             n, [](double z) { return std::max(0.0, z); }, half, cases[0]["beta"]);
       },
-      {6, 12, 24}, 3, 0.02, "half lit");
+      {5, 10, 20}, 3, 0.03, "half lit");
   expect_convergence(
       [&](int n) {
         return patterned_sphere_error(
             n, [](double z) { return 1 + z; }, [](double z) { return 0.5 + 0.4 * z; }, cases[1]["beta"]);
       },
-      {6, 12, 24}, 3, 0.02, "patterned");
+      {5, 10, 20}, 3, 0.03, "patterned");
 }
 
 // A lamp anywhere inside: its direct light may fall as it will, the indirect light is the same everywhere.
@@ -192,7 +192,7 @@ TEST(Enclosures, ALampAnywhereInASphere) {
         }
         return worst;
       },
-      {6, 12, 24}, 3, 0.02, "lamp");
+      {5, 10, 20}, 3, 0.03, "lamp");
 }
 
 TEST(Enclosures, ASphericalCapClosedByADisk) {
