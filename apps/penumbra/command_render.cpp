@@ -5,6 +5,8 @@
 #include "exit_code.h"
 #include "interrupt.h"
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/radiosity/meshing/element_builder.h"
+#include "penumbra/radiosity/meshing/uniform.h"
 #include "penumbra/render/radiosity_view.h"
 #include "render_arguments.h"
 #include "report.h"
@@ -46,9 +48,16 @@ Drawn show_radiosity(const RenderArguments& arguments, const Scene& scene, const
   if (solution.partial) {
     console.insist("partial: the solution was stopped, light is missing");
   }
-  const RadiosityView view(
-      solution.mesh, solution.irradiance, scene,
-      {.smooth = !arguments.flat, .outlines = arguments.outlines ? ElementOutlines::dark : ElementOutlines::none});
+  std::optional<MadePatchMesh> faces;
+  std::optional<LampIrradiance> lamps;
+  if (!arguments.flat && !solution.partial) {
+    faces = make_element_faces(scene, PatchSides::both, MeshingOptions{}.shape_segments);
+    lamps.emplace(scene, faces->mesh);
+  }
+  const RadiosityView view(solution.mesh, solution.irradiance, scene,
+                           {.smooth = !arguments.flat,
+                            .lamps = lamps ? &*lamps : nullptr,
+                            .outlines = arguments.outlines ? ElementOutlines::dark : ElementOutlines::none});
   Drawn drawn;
   drawn.solve_seconds = watch.seconds();
   drawn.result = render(view, camera, arguments.render, progress);

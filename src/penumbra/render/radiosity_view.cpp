@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "penumbra/radiosity/meshing/sharp_irradiance.h"
 
 namespace penumbra {
 namespace {
@@ -34,9 +37,15 @@ RadiosityView::RadiosityView(const PatchMesh& elements, std::span<const double> 
     const auto corners = elements.polygon(i);
     outlines_.emplace_back(corners.begin(), corners.end());
   }
+  if (options.smooth && options.lamps != nullptr) {
+    SharpIrradiance sharp = sharp_irradiance(*options.lamps, elements, shading_, irradiance);
+    shading_ = std::move(sharp.mesh);
+    light_ = std::move(sharp.at_vertices);
+  } else {
+    relight(irradiance);
+  }
   halves_[0] = make_half(true);
   halves_[1] = make_half(false);
-  relight(irradiance);
 }
 
 void RadiosityView::relight(std::span<const double> irradiance) {

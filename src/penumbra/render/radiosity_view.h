@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "penumbra/parallel/progress.h"
+#include "penumbra/radiosity/meshing/lamp_irradiance.h"
 #include "penumbra/radiosity/meshing/shading_mesh.h"
 #include "penumbra/radiosity/patch_mesh.h"
 #include "penumbra/render/render.h"
@@ -18,6 +19,9 @@ enum class ElementOutlines { none, dark };
 
 struct RadiosityViewOptions {
   bool smooth = true;  ///< irradiance interpolated between vertices; else each element in its one colour
+  /// The scene's lamps, whose light is then exact at the vertices, so that shadows are as crisp as the elements allow;
+  /// none: all light is blended from the elements. Read by the constructor alone, and only when smooth.
+  const LampIrradiance* lamps = nullptr;
   ElementOutlines outlines = ElementOutlines::none;
   double outline_width = 0.0015;  ///< of an outline, as a share of the distance to the eye
 };
@@ -34,7 +38,7 @@ class RadiosityView {
   RadiosityView(const PatchMesh& elements, std::span<const double> irradiance, const Scene& scene,
                 const RadiosityViewOptions& options = {});
 
-  /// Other light on the same elements.
+  /// Other light on the same elements, blended from them.
   void relight(std::span<const double> irradiance);
 
   /// What a ray sees: layers of the first surface, radiance W/(m^2 sr).
