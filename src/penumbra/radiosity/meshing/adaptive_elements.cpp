@@ -51,7 +51,6 @@ struct Cell {
 struct Plate {
   std::uint32_t front = 0;
   std::uint32_t back = 0xffffffffU;
-  LampIrradiance::View front_view, back_view;
 };
 
 class AdaptiveMesher {
@@ -84,7 +83,7 @@ class AdaptiveMesher {
  private:
   void make_plates() {
     for (std::uint32_t p = 0; p < faces_.radiating_count; ++p) {
-      if (!faces_.surfaces[faces_.surface_of[p]].back) plates_.push_back({p, 0xffffffffU, {}, {}});
+      if (!faces_.surfaces[faces_.surface_of[p]].back) plates_.push_back({p, 0xffffffffU});
     }
     // The patches of a back stand in the order of its front's, right after them.
     std::vector<std::uint32_t> first_of(faces_.surface_count(), 0xffffffffU);
@@ -99,12 +98,6 @@ class AdaptiveMesher {
       plates_[k].back = first_of[row + 1] + (plates_[k].front - first_of[row]);
       plate_of_[plates_[k].back] = k;
     }
-    parallel_for(plates_.size(), 4, [&](std::size_t first, std::size_t last) {
-      for (std::size_t k = first; k < last; ++k) {
-        plates_[k].front_view = light_.view(faces_.polygon(plates_[k].front));
-        if (plates_[k].back != 0xffffffffU) plates_[k].back_view = light_.view(faces_.polygon(plates_[k].back));
-      }
-    });
   }
 
   [[nodiscard]] std::vector<FaceCells> cells_to_begin_with() const {
@@ -153,12 +146,12 @@ class AdaptiveMesher {
     for (std::size_t c = first; c < cells_.size(); ++c) brightest_ = std::max(brightest_, cells_[c].brightest);
   }
 
+  /// What may stand in the light is listed for each cell: little for a small one, so that looking is quick.
   void measure(Cell& cell) const {
-    const Plate& plate = plates_[cell.plate];
     choose_longest_edge(cell);
-    for (const LampIrradiance::View* view : {&plate.front_view, &plate.back_view}) {
-      if (view->is_lit()) measure(cell, *view);
-    }
+    measure(cell, light_.view(cell.corners));
+    if (plates_[cell.plate].back == 0xffffffffU) return;
+    measure(cell, light_.view(std::vector<Vec3d>(cell.corners.rbegin(), cell.corners.rend())));
   }
 
   void choose_longest_edge(Cell& cell) const {
@@ -175,6 +168,7 @@ class AdaptiveMesher {
   }
 
   static void measure(Cell& cell, const LampIrradiance::View& view) {
+    if (!view.is_lit()) return;
     const std::size_t n = cell.corners.size();
     const Vec3d centre = polygon_centroid(cell.corners);
     const auto inside = [&](const Vec3d& p) { return p + inset * (centre - p); };
