@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <glm/ext/matrix_transform.hpp>
@@ -229,6 +230,48 @@ TEST(Auto, UnmergedOccludersGiveTheSameFactors) {
     double difference = 0;
     for (std::size_t j = 0; j < merged.rows(); ++j) difference += std::abs(merged.at(i, j) - loose.at(i, j));
     EXPECT_LE(difference, 2e-5) << i;
+  }
+}
+
+TEST(Auto, RowsAreThoseOfTheMatrix) {
+  const PatchMesh mesh = room_with_box(3);
+  FormFactorOptions options;
+  options.tolerance = 1e-4;
+  const AutoFormFactors factors(mesh, options);
+  const FactorMatrix matrix = assemble_factor_matrix(factors, mesh);
+  for (std::uint32_t i = 0; i < mesh.surface_count(); i += 7) {
+    const PatchRow row = factors.row(i);
+    double sum = 0, difference = 0;
+    for (std::size_t k = 0; k < row.patches.size(); ++k) {
+      sum += row.exchanges[k] / mesh.areas[i];
+      difference += std::abs(row.exchanges[k] / mesh.areas[i] - matrix.at(i, row.patches[k]));
+    }
+    EXPECT_NEAR(sum, 1, 1e-4) << i;
+    EXPECT_LT(difference, 2e-4) << i;
+  }
+}
+
+// Long triangles that share an edge, and cavities of them: where patches touch, no rule but the closed form will do.
+TEST(Auto, TouchingTrianglesAreExact) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int run = 0; run < 100; ++run) {
+    // A tetrahedron, seen from within: closed, without anything in the way.
+    std::array<Vec3d, 4> corner;
+    for (Vec3d& c : corner) c = Vec3d(4 * uniform(random), uniform(random), uniform(random));
+    if (dot(cross(corner[1] - corner[0], corner[2] - corner[0]), corner[3] - corner[0]) < 0)
+      std::swap(corner[1], corner[2]);
+    PolygonModel model;
+    for (const auto& face : {std::array{0, 1, 2}, std::array{0, 3, 1}, std::array{0, 2, 3}, std::array{1, 3, 2}}) {
+      ModelPolygon polygon;
+      for (int c : face) {
+        polygon.corners.push_back(static_cast<std::uint32_t>(model.vertices.size()));
+        model.vertices.push_back(corner[static_cast<std::size_t>(c)]);
+      }
+      model.polygons.push_back(polygon);
+    }
+    const FactorMatrix m = matrix_of(make_patch_mesh(model).mesh, 1e-6);
+    for (std::size_t i = 0; i < m.rows(); ++i) EXPECT_NEAR(m.row_sum(i), 1, 1e-6) << "run " << run << " row " << i;
   }
 }
 

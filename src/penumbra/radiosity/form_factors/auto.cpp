@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/form_factors/analytic.h"
@@ -44,6 +46,11 @@ struct AutoFormFactors::Impl {
     for (const Vec3d& v : mesh.vertices) all.grow(v);
     coplanar = 1e-9 * all.diagonal();
     for (std::size_t p = 0; p < mesh.radiating_count; ++p) total_area += mesh.areas[p];
+    slot_of.resize(mesh.radiating_count);
+    for (std::size_t a = 0; a < clusters.size(); ++a)
+      for (std::size_t lane = 0; lane < clusters.clusters[a].count; ++lane)
+        slot_of[clusters.patch[a * PatchClusters::lanes + lane]] =
+            static_cast<std::uint32_t>(a * PatchClusters::lanes + lane);
     const std::size_t block_rows = std::clamp(clusters.size() / fewest_bands, std::size_t{1}, most_block_rows);
     const std::size_t rows = (clusters.size() + block_rows - 1) / block_rows;
     for (std::size_t r = 0; r < rows; ++r)
@@ -68,7 +75,8 @@ struct AutoFormFactors::Impl {
   OccluderPolygons occluders;
   OccluderIndex index;
   PatchClusters clusters;
-  double coplanar = 0;  // m, what lies within it of a plane lies on it
+  std::vector<std::uint32_t> slot_of;  // per radiating patch
+  double coplanar = 0;                 // m, what lies within it of a plane lies on it
   double total_area = 0;
   double partial_by_area_all = partial_by_area, partial_by_value_all = partial_by_value;
   std::vector<Block> blocks;
@@ -79,6 +87,7 @@ struct AutoFormFactors::Impl::Worker {
   explicit Worker(const Impl& i) : impl(i), obstructed(i.occluders) {}
 
   void run(const Block& block);
+  void run_row(std::uint32_t patch);
   void cluster_pair(std::size_t a, std::size_t b);
   void patch_row(std::size_t a, std::size_t lane, std::size_t b);
   [[nodiscard]] std::uint32_t same_surface(std::size_t slot, std::size_t cluster) const;
@@ -86,7 +95,7 @@ struct AutoFormFactors::Impl::Worker {
   void settle_steady_pairs(std::size_t slot, std::size_t b, std::uint32_t& facing);
   void refine_where_needed(std::size_t slot, std::size_t cluster, std::uint32_t facing);
   void patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling);
-  [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j, double allowed);
+  [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j);
   void finish_partial_pairs();
   void drop(std::size_t slot_i, std::size_t slot_j, double exchange);
   void set_obstructed(std::uint32_t i, std::uint32_t j, std::span<const std::uint32_t> pair_blockers, double exchange);
@@ -117,7 +126,8 @@ struct AutoFormFactors::Impl::Worker {
   std::vector<std::uint32_t> partial_blockers;
   std::size_t first_row = 0, first_column = 0;  // slots
   std::vector<double> dropped_rows, dropped_columns;
-  std::vector<Survey>* surveys = nullptr;  // per lane of the surveyed cluster, while surveying
+  std::size_t only_lane = PatchClusters::lanes;  // of the first clusters; `lanes`: each lane, and each pair once
+  std::vector<Survey>* surveys = nullptr;        // per lane of the surveyed cluster, while surveying
 };
 
 void AutoFormFactors::Impl::Worker::emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e) {
@@ -139,10 +149,8 @@ void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_
                       {m.normals[j], dot(m.normals[j], m.centroids[j])}, pair_blockers, exchange);
 }
 
-ExchangeEstimate AutoFormFactors::Impl::Worker::near_exchange(std::uint32_t i, std::uint32_t j, double allowed) {
-  set_obstructed(i, j, {}, 0);
-  const ExchangeEstimate e = obstructed.integrate(allowed, 0, 1);
-  if (e.error <= allowed) return e;
+/// The closed form: no rule's own error estimate can be trusted where patches touch.
+ExchangeEstimate AutoFormFactors::Impl::Worker::near_exchange(std::uint32_t i, std::uint32_t j) {
   return {exchange_area(impl.mesh.polygon(i), impl.mesh.polygon(j), analytic),
           1e-12 * std::min(impl.mesh.areas[i], impl.mesh.areas[j])};
 }
@@ -164,8 +172,10 @@ void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t s
     partial_blockers.insert(partial_blockers.end(), blockers.begin(), blockers.end());
     return;
   }
-  const double allowed = visible_by_area * by_area + visible_by_value * tolerance * exchange;
-  emit(i, j, !straddling && error <= allowed ? ExchangeEstimate{exchange, error} : near_exchange(i, j, allowed));
+  // Where rule points nearly meet they say anything: no pair exchanges more than the smaller area.
+  const double most = std::min({exchange, impl.mesh.areas[i], impl.mesh.areas[j]});
+  const double allowed = visible_by_area * by_area + visible_by_value * tolerance * most;
+  emit(i, j, !straddling && error <= allowed ? ExchangeEstimate{exchange, error} : near_exchange(i, j));
 }
 
 void AutoFormFactors::Impl::Worker::finish_partial_pairs() {
@@ -175,7 +185,7 @@ void AutoFormFactors::Impl::Worker::finish_partial_pairs() {
     const double tolerance = impl.options.tolerance;
     const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
     if (obstructed.blocker_count() == 0) {
-      emit(i, j, near_exchange(i, j, visible_by_area * by_area));
+      emit(i, j, near_exchange(i, j));
     } else {
       emit(i, j,
            obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
@@ -234,8 +244,9 @@ void AutoFormFactors::Impl::Worker::refine_where_needed(std::size_t slot, std::s
   const double by_area = impl.options.tolerance * impl.clusters.area[slot] / impl.total_area;
   std::uint32_t wanted = 0;
   for (std::size_t l = 0; l < PatchClusters::lanes; ++l) {
-    const double allowed = visible_by_area * by_area * impl.clusters.area[cluster * PatchClusters::lanes + l] +
-                           visible_by_value * impl.options.tolerance * open.exchange[l];
+    const double area = impl.clusters.area[cluster * PatchClusters::lanes + l];
+    const double most = std::min({open.exchange[l], area, impl.clusters.area[slot]});
+    const double allowed = visible_by_area * by_area * area + visible_by_value * impl.options.tolerance * most;
     if (open.error[l] > allowed) wanted |= 1U << l;
   }
   wanted &= facing & ~open.straddling;
@@ -256,7 +267,7 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
   const std::size_t slot = a * PatchClusters::lanes + lane;
   far_exchange(impl.clusters, slot, b, impl.coplanar, open);
   std::uint32_t facing = open.facing;
-  if (a == b) facing &= surveys ? ~(1U << lane) : ~((2U << lane) - 1U);  // each pair once
+  if (a == b) facing &= surveys || only_lane == lane ? ~(1U << lane) : ~((2U << lane) - 1U);  // each pair once
   if (impl.options.between_surfaces_only) facing &= ~same_surface(slot, b);
   if (facing == 0) return;
   find_blockers(a, lane, b, facing);
@@ -311,7 +322,8 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
     append(a, table_a);
     append(b, table_b);
   }
-  for (std::size_t lane = 0; lane < first.count; ++lane) patch_row(a, lane, b);
+  for (std::size_t lane = 0; lane < first.count; ++lane)
+    if (only_lane == PatchClusters::lanes || only_lane == lane) patch_row(a, lane, b);
 }
 
 void AutoFormFactors::Impl::Worker::run(const Block& block) {
@@ -329,6 +341,18 @@ void AutoFormFactors::Impl::Worker::run(const Block& block) {
   };
   report(dropped_rows, first_row);
   report(dropped_columns, first_column);
+}
+
+/// All pairs of one patch.
+void AutoFormFactors::Impl::Worker::run_row(std::uint32_t patch) {
+  const std::size_t a = impl.slot_of[patch] / PatchClusters::lanes;
+  only_lane = impl.slot_of[patch] % PatchClusters::lanes;
+  first_row = a * PatchClusters::lanes;
+  first_column = 0;
+  dropped_rows.assign(PatchClusters::lanes, 0.0);
+  dropped_columns.assign(impl.clusters.size() * PatchClusters::lanes, 0.0);
+  for (std::size_t b = 0; b < impl.clusters.size(); ++b) cluster_pair(a, b);
+  finish_partial_pairs();
 }
 
 /// Finds the largest part that partly hidden pairs have in some rows, and raises what one of them may err accordingly.
@@ -372,6 +396,22 @@ FactorBlock AutoFormFactors::block(std::size_t index) const {
   Impl::Worker worker(*impl_);
   worker.run(impl_->blocks[index]);
   return std::move(worker.out);
+}
+
+PatchRow AutoFormFactors::row(std::uint32_t patch) const {
+  assert(patch < impl_->mesh.radiating_count);
+  Impl::Worker worker(*impl_);
+  worker.run_row(patch);
+  std::vector<std::pair<std::uint32_t, double>> partners;
+  for (const PairFactor& p : worker.out.pairs)
+    if (p.exchange > 0) partners.emplace_back(p.i == patch ? p.j : p.i, p.exchange);
+  std::sort(partners.begin(), partners.end());
+  PatchRow row;
+  for (const auto& [partner, exchange] : partners) {
+    row.patches.push_back(partner);
+    row.exchanges.push_back(exchange);
+  }
+  return row;
 }
 
 }  // namespace penumbra

@@ -33,6 +33,9 @@ class AutoFormFactors : public FormFactorMethod {
   [[nodiscard]] std::string_view name() const override { return "auto"; }
   [[nodiscard]] std::size_t block_count() const override;
   [[nodiscard]] FactorBlock block(std::size_t index) const override;
+  /// The factors of the blocks, up to the tolerance.
+  [[nodiscard]] bool computes_rows() const override { return true; }
+  [[nodiscard]] PatchRow row(std::uint32_t patch) const override;
 
  private:
   struct Impl;
