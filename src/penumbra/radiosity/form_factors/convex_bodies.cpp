@@ -14,11 +14,11 @@ constexpr std::size_t most_tests = 4'000'000;  // corners times planes of one bo
 std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) { return (std::uint64_t{from} << 32) | to; }
 
 /// The patch that has each directed edge, or `several`.
-std::unordered_map<std::uint64_t, std::uint32_t> directed_edges(const PatchMesh& mesh) {
+std::unordered_map<std::uint64_t, std::uint32_t> directed_edges(const PatchMesh& mesh, const PatchOutlines& outlines) {
   std::unordered_map<std::uint64_t, std::uint32_t> edges;
   edges.reserve(4 * mesh.patch_count());
   for (std::uint32_t p = 0; p < mesh.patch_count(); ++p) {
-    const auto ring = mesh.patch_corners(p);
+    const auto ring = outlines.ring(p);
     for (std::size_t c = 0; c < ring.size(); ++c) {
       const auto [at, fresh] = edges.emplace(edge_key(ring[c], ring[(c + 1) % ring.size()]), p);
       if (!fresh) at->second = several;
@@ -66,8 +66,9 @@ std::vector<Plane3> convex_planes(const PatchMesh& mesh, const Candidate& candid
 
 }  // namespace
 
-ConvexBodies find_convex_bodies(const PatchMesh& mesh, std::span<const Plane3> hull_planes, double tolerance) {
-  const auto edges = directed_edges(mesh);
+ConvexBodies find_convex_bodies(const PatchMesh& mesh, const PatchOutlines& outlines,
+                                std::span<const Plane3> hull_planes, double tolerance) {
+  const auto edges = directed_edges(mesh, outlines);
   const auto twin_of = [&](std::uint32_t p, std::uint32_t from, std::uint32_t to) {
     const auto own = edges.find(edge_key(from, to)), twin = edges.find(edge_key(to, from));
     if (own->second != p || twin == edges.end()) return several;
@@ -77,7 +78,7 @@ ConvexBodies find_convex_bodies(const PatchMesh& mesh, std::span<const Plane3> h
   std::iota(parent.begin(), parent.end(), 0U);
   for (std::uint32_t p = 0; p < mesh.patch_count(); ++p) {
     const Plane3 plane{mesh.normals[p], dot(mesh.normals[p], mesh.centroids[p])};
-    const auto ring = mesh.patch_corners(p);
+    const auto ring = outlines.ring(p);
     for (std::size_t c = 0; c < ring.size(); ++c) {
       const std::uint32_t q = twin_of(p, ring[c], ring[(c + 1) % ring.size()]);
       if (q >= p || plane.distance(mesh.centroids[q]) > tolerance) continue;
@@ -99,7 +100,7 @@ ConvexBodies find_convex_bodies(const PatchMesh& mesh, std::span<const Plane3> h
   };
   for (std::uint32_t p = 0; p < mesh.patch_count(); ++p) {
     Candidate& own = candidates[number[find_root(parent, p)]];
-    const auto ring = mesh.patch_corners(p);
+    const auto ring = outlines.ring(p);
     for (std::size_t c = 0; c < ring.size() && own.closed; ++c) {
       const std::uint32_t a = ring[c], b = ring[(c + 1) % ring.size()];
       const std::uint32_t q = twin_of(p, a, b);

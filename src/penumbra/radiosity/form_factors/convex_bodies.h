@@ -7,6 +7,7 @@
 
 #include "penumbra/math/polygon.h"
 #include "penumbra/radiosity/patch_mesh.h"
+#include "penumbra/radiosity/patch_outlines.h"
 
 namespace penumbra {
 
@@ -29,7 +30,7 @@ struct ConvexBodies {
 
 /// Patches joined across edges that are flat or convex, kept when all corners lie behind all faces and open edges lie
 /// in one of `hull_planes`: planes with the whole mesh on one side, through which no line between patches can pass.
-[[nodiscard]] ConvexBodies find_convex_bodies(const PatchMesh& mesh, std::span<const Plane3> hull_planes,
-                                              double tolerance);
+[[nodiscard]] ConvexBodies find_convex_bodies(const PatchMesh& mesh, const PatchOutlines& outlines,
+                                              std::span<const Plane3> hull_planes, double tolerance);
 
 }  // namespace penumbra

@@ -8,6 +8,7 @@
 
 #include "penumbra/math/polygon_pieces.h"
 #include "penumbra/math/rng.h"
+#include "penumbra/radiosity/patch_outlines.h"
 
 namespace penumbra {
 namespace {
@@ -32,17 +33,18 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
 }
 
 /// Groups of patches that are joined edge to edge, back on front, in one oriented plane.
-std::vector<std::vector<std::uint32_t>> coplanar_regions(const PatchMesh& mesh, double tolerance) {
+std::vector<std::vector<std::uint32_t>> coplanar_regions(const PatchMesh& mesh, const PatchOutlines& outlines,
+                                                         double tolerance) {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> patches_at;
   for (std::uint32_t p = 0; p < mesh.patch_count(); ++p) {
-    const auto ring = mesh.patch_corners(p);
+    const auto ring = outlines.ring(p);
     for (std::size_t c = 0; c < ring.size(); ++c)
       patches_at[edge_key(ring[c], ring[(c + 1) % ring.size()])].push_back(p);
   }
   std::vector<std::uint32_t> parent(mesh.patch_count());
   std::iota(parent.begin(), parent.end(), 0U);
   for (std::uint32_t p = 0; p < mesh.patch_count(); ++p) {
-    const auto ring = mesh.patch_corners(p);
+    const auto ring = outlines.ring(p);
     for (std::size_t c = 0; c < ring.size(); ++c) {
       const auto twin = patches_at.find(edge_key(ring[(c + 1) % ring.size()], ring[c]));
       if (twin == patches_at.end()) continue;
@@ -81,10 +83,10 @@ std::vector<std::vector<std::uint32_t>> coplanar_regions(const PatchMesh& mesh, 
 }
 
 /// The outline of a region when it is a single loop without a corner passed twice; empty otherwise.
-Ring single_outline(const PatchMesh& mesh, const std::vector<std::uint32_t>& region) {
+Ring single_outline(const PatchOutlines& outlines, const std::vector<std::uint32_t>& region) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (std::uint32_t p : region) {
-    const auto ring = mesh.patch_corners(p);
+    const auto ring = outlines.ring(p);
     for (std::size_t c = 0; c < ring.size(); ++c) {
       const std::uint32_t a = ring[c], b = ring[(c + 1) % ring.size()];
       const auto twin = edges.find({b, a});
@@ -176,9 +178,10 @@ std::vector<Ring> greedily_joined(const PatchMesh& mesh, const std::vector<std::
   return rings;
 }
 
-std::vector<Ring> convex_rings(const PatchMesh& mesh, const std::vector<std::uint32_t>& region) {
+std::vector<Ring> convex_rings(const PatchMesh& mesh, const PatchOutlines& outlines,
+                               const std::vector<std::uint32_t>& region) {
   if (region.size() > 1) {
-    const Ring outline = without_straight_corners(mesh, single_outline(mesh, region));
+    const Ring outline = without_straight_corners(mesh, single_outline(outlines, region));
     if (outline.size() >= 3) {
       std::vector<Ring> rings;
       for (const auto& piece : convex_pieces(positions_of(mesh, outline))) {
@@ -278,9 +281,10 @@ OccluderPolygons make_occluder_polygons(const PatchMesh& mesh, bool merge) {
   for (const Vec3d& v : mesh.vertices) all.grow(v);
   const double tolerance = coplanar_tolerance * all.diagonal();
 
+  const PatchOutlines outlines(mesh, tolerance);
   std::vector<std::vector<std::uint32_t>> regions;
   if (merge) {
-    regions = coplanar_regions(mesh, tolerance);
+    regions = coplanar_regions(mesh, outlines, tolerance);
   } else {
     for (std::uint32_t p = 0; p < mesh.patch_count(); ++p) regions.push_back({p});
   }
@@ -298,7 +302,7 @@ OccluderPolygons make_occluder_polygons(const PatchMesh& mesh, bool merge) {
       if (!known && hull_planes.size() < most_hull_planes) hull_planes.push_back(plane);
       continue;
     }
-    for (const Ring& ring : convex_rings(mesh, region)) {
+    for (const Ring& ring : convex_rings(mesh, outlines, region)) {
       Ring key = ring;
       std::sort(key.begin(), key.end());
       if (!seen.emplace(key, true).second) continue;  // the other side of a plate
@@ -308,7 +312,7 @@ OccluderPolygons make_occluder_polygons(const PatchMesh& mesh, bool merge) {
     }
   }
   OccluderPolygons out = builder.finish();
-  out.bodies = find_convex_bodies(mesh, hull_planes, tolerance);
+  out.bodies = find_convex_bodies(mesh, outlines, hull_planes, tolerance);
   for (std::uint32_t p : first_patch) out.body.push_back(out.bodies.body_of[p]);
   return out;
 }

@@ -161,8 +161,9 @@ class LeakSearch {
       const auto& [count, edge] = group;
       const std::uint32_t face = edge->faces[share(edge->faces[1]) > share(edge->faces[0]) ? 1 : 0];
       const Vec3d middle = 0.5 * (net_.vertices[edge->from] + net_.vertices[edge->to]);
-      const std::string neighbours =
-          objects.first == objects.second ? "its neighbour" : "\"" + object_label(scene_, objects.second) + "\"";
+      const std::string neighbours = objects.first == objects.second
+                                         ? "its neighbour"
+                                         : fmt::format("\"{}\"", object_label(scene_, objects.second));
       found_.push_back(
           {.kind = FindingKind::flipped,
            .sentence = fmt::format("face {} of \"{}\" faces the other way than {} where they meet at {}{}; "

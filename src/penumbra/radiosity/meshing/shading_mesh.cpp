@@ -9,7 +9,7 @@
 
 #include "penumbra/math/bounds.h"
 #include "penumbra/math/frame.h"
-#include "penumbra/radiosity/meshing/point_tree.h"
+#include "penumbra/radiosity/patch_outlines.h"
 
 namespace penumbra {
 namespace {
@@ -21,54 +21,6 @@ double mesh_size(const PatchMesh& mesh) {
   for (const Vec3d& v : mesh.vertices) all.grow(v);
   return mesh.vertices.empty() ? 0 : length(all.upper - all.lower);
 }
-
-/// The outlines of the elements, of welded vertices, with every vertex that lies on an edge inserted.
-class Outlines {
- public:
-  Outlines(const PatchMesh& mesh, double tolerance) : mesh_(mesh), welded_(weld_points(mesh.vertices, tolerance)) {
-    const PointTree tree(mesh.vertices);
-    for (std::size_t e = 0; e < mesh.patch_count(); ++e) {
-      const auto corners = mesh.patch_corners(e);
-      for (std::size_t k = 0; k < corners.size(); ++k) {
-        const std::uint32_t a = welded_[corners[k]], b = welded_[corners[(k + 1) % corners.size()]];
-        if (a == b) continue;
-        ring_.push_back(a);
-        insert_between(tree, a, b, tolerance);
-      }
-      offsets_.push_back(static_cast<std::uint32_t>(ring_.size()));
-    }
-  }
-
-  [[nodiscard]] std::size_t corner_count() const { return ring_.size(); }
-  /// The first corner's number of an element; its corners follow.
-  [[nodiscard]] std::uint32_t first_corner(std::size_t element) const { return offsets_[element]; }
-  [[nodiscard]] std::span<const std::uint32_t> ring(std::size_t element) const {
-    return std::span(ring_).subspan(offsets_[element], offsets_[element + 1] - offsets_[element]);
-  }
-  [[nodiscard]] const Vec3d& position(std::uint32_t vertex) const { return mesh_.vertices[vertex]; }
-
- private:
-  void insert_between(const PointTree& tree, std::uint32_t a, std::uint32_t b, double tolerance) {
-    found_.clear();
-    tree.on_segment(position(a), position(b), tolerance, found_);
-    for (std::uint32_t& v : found_) v = welded_[v];
-    const Vec3d along = position(b) - position(a);
-    std::sort(found_.begin(), found_.end(), [&](std::uint32_t v, std::uint32_t w) {
-      const double tv = dot(position(v), along), tw = dot(position(w), along);
-      return tv != tw ? tv < tw : v < w;
-    });
-    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
-    for (const std::uint32_t v : found_) {
-      if (v != a && v != b) ring_.push_back(v);
-    }
-  }
-
-  const PatchMesh& mesh_;
-  std::vector<std::uint32_t> welded_;
-  std::vector<std::uint32_t> ring_;
-  std::vector<std::uint32_t> offsets_{0};
-  std::vector<std::uint32_t> found_;
-};
 
 /// Classes of corners that become one vertex.
 class CornerClasses {
@@ -95,7 +47,7 @@ struct EdgeUse {
   bool forwards;                          // from low to high
 };
 
-std::vector<EdgeUse> edge_uses(const Outlines& outlines, std::size_t elements) {
+std::vector<EdgeUse> edge_uses(const PatchOutlines& outlines, std::size_t elements) {
   std::vector<EdgeUse> uses;
   uses.reserve(outlines.corner_count());
   for (std::uint32_t e = 0; e < elements; ++e) {
@@ -117,7 +69,7 @@ std::vector<EdgeUse> edge_uses(const Outlines& outlines, std::size_t elements) {
 }
 
 /// For each element a number that it shares with the element of its other side alone.
-std::vector<std::uint32_t> plate_numbers(const Outlines& outlines, std::size_t elements) {
+std::vector<std::uint32_t> plate_numbers(const PatchOutlines& outlines, std::size_t elements) {
   std::map<Ring, std::uint32_t> plate_with;
   std::vector<std::uint32_t> plates(elements);
   for (std::size_t e = 0; e < elements; ++e) {
@@ -129,7 +81,7 @@ std::vector<std::uint32_t> plate_numbers(const Outlines& outlines, std::size_t e
 }
 
 /// Joins the corners of elements across each edge that just two plates have, where they pass smoothly.
-void join_sheets(const PatchMesh& mesh, const Outlines& outlines, double crease_angle, CornerClasses& classes) {
+void join_sheets(const PatchMesh& mesh, const PatchOutlines& outlines, double crease_angle, CornerClasses& classes) {
   const std::vector<EdgeUse> uses = edge_uses(outlines, mesh.patch_count());
   const std::vector<std::uint32_t> plates = plate_numbers(outlines, mesh.patch_count());
   const double least_cosine = std::cos(crease_angle);
@@ -286,7 +238,7 @@ class ShadingMeshBuilder {
   }
 
   const PatchMesh& mesh_;
-  Outlines outlines_;
+  PatchOutlines outlines_;
   CornerClasses classes_;
   std::vector<std::uint32_t> vertex_of_corner_;
   ShadingMesh out_;

@@ -1,4 +1,4 @@
-#include "penumbra/radiosity/meshing/point_tree.h"
+#include "penumbra/radiosity/point_tree.h"
 
 #include <algorithm>
 #include <numeric>
