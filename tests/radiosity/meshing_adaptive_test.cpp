@@ -17,6 +17,7 @@
 #include "penumbra/radiosity/meshing/shading_mesh.h"
 #include "penumbra/radiosity/meshing/shadow_lines.h"
 #include "penumbra/radiosity/meshing/uniform.h"
+#include "penumbra/scene/builtin_scenes.h"
 #include "radiosity/scene_makers.h"
 #include "radiosity/shadow_floor.h"
 
@@ -186,6 +187,25 @@ TEST(AdaptiveElements, AreSmallWhereTheShadowEnds) {
   ASSERT_GT(at_edge, 0);
   ASSERT_GT(far, 0);
   EXPECT_LT(edge_area / at_edge, 0.25 * far_area / far);
+}
+
+TEST(AdaptiveElements, NoneIsWithoutArea) {
+  const Scene scene = make_builtin_scene("cornell-box");
+  for (const std::size_t count : {3000U, 6000U, 9000U, 12000U}) {
+    AdaptiveMeshingOptions options;
+    options.element_count = count;
+    const AdaptiveMesh made = make_adaptive_elements(scene, options);
+    double total = 0, least = 1e300;
+    for (const PatchSurface& s : made.elements.surfaces) {
+      total += s.area;
+      least = std::min(least, s.area);
+    }
+    double faces = 0;
+    for (const PatchSurface& s : make_element_faces(scene, options.sides, options.shape_segments).mesh.surfaces)
+      faces += s.area;
+    EXPECT_GT(least, 0) << count;
+    EXPECT_NEAR(total, faces, 1e-9 * faces) << count;
+  }
 }
 
 TEST(AdaptiveElements, AnEvenlyLitSceneIsNotDividedFurtherThanItsStart) {

@@ -24,6 +24,8 @@ namespace {
 constexpr double inset = 1e-3;
 /// Cells longer than this for their width are halved across their length whatever the light does.
 constexpr double longest_for_width = 6;
+/// Of a cell's area: what halving must leave on either side.
+constexpr double least_half = 1e-3;
 /// Cells that are split at once, between looks at the queue: the same on any number of threads.
 constexpr std::size_t round_share = 16;
 
@@ -268,7 +270,12 @@ class AdaptiveMesher {
   bool split(std::uint32_t c) {
     std::vector<Vec3d> first, second;
     halve_cell(cells_[c].corners, cells_[c].worst_edge, first, second);
-    if (first.size() < 3 || second.size() < 3) return false;
+    // A corner in the middle of a straight side may leave one half next to nothing.
+    const double least = least_half * polygon_area(cells_[c].corners);
+    if (first.size() < 3 || second.size() < 3 || !(std::min(polygon_area(first), polygon_area(second)) > least)) {
+      cells_[c].can_split = false;
+      return false;
+    }
     const std::uint32_t plate = cells_[c].plate;
     cells_[c] = {plate, std::move(first)};
     cells_.push_back({plate, std::move(second)});
@@ -284,6 +291,7 @@ class AdaptiveMesher {
       const bool back = faces_.surfaces[faces_.surface_of[p]].back;
       for (const std::uint32_t c : of_plate[plate_of_[p]]) {
         const std::vector<Vec3d>& corners = cells_[c].corners;
+        if (!(polygon_area(corners) > 0)) continue;
         turned.assign(corners.rbegin(), corners.rend());
         builder.add(p, back ? turned : corners);
         out.parent.push_back(p);
