@@ -35,7 +35,8 @@ class ObstructedExchange {
 
   /// Prepares a pair: each polygon is clipped to the front of the other's plane, the blockers to the front of both.
   /// @param receiver the polygon to integrate over; @param blockers numbers of occluders, others do not matter.
-  /// @param open about the exchange without them, m^2: a scale for what Gauss points may overlook.
+  /// @param open about the exchange without them, m^2: a scale for what Gauss points may overlook, and for what may
+  /// come through a seam between blockers.
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
                 const Plane3& source_plane, std::span<const std::uint32_t> blockers, double open = 0);
 
@@ -71,7 +72,7 @@ class ObstructedExchange {
   const OccluderPolygons& occluders_;
   VisibleFragments fragments_;
   Plane3 receiver_plane_;
-  double open_factor_ = 0;
+  double open_ = 0, open_factor_ = 0;
   std::vector<Vec3d> receiver_, source_;
   Silhouette silhouette_;
   std::vector<ShadowLine> lines_;          // where the silhouette meets the source's outline
