@@ -17,6 +17,10 @@
 namespace penumbra {
 namespace {
 
+// Elements of which shooting keeps the matrix (some 40 MB) when `auto` computes it: a patch shoots several times, and
+// its row would be computed each time.
+constexpr std::size_t most_with_matrix = 2000;
+
 // What a matrix takes while it is assembled, bytes: a third of all pairs see each other, 24 bytes a factor.
 constexpr double bytes_a_pair = 8;
 // A side sees a closed scene when its factors sum to this much, and the scene looks closed when most sides do.
@@ -140,7 +144,8 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   FormFactorOptions factor_options = options.factors;
   factor_options.seed = options.seed;
   auto method = make_form_factor_method(options.form_factors, setup->mesh, factor_options);
-  if (options.solver == "shooting" && method->computes_rows()) {
+  const bool small = options.form_factors == "auto" && setup->mesh.surface_count() <= most_with_matrix;
+  if (options.solver == "shooting" && method->computes_rows() && !small) {
     setup->row_method = std::move(method);
   } else {
     refuse_what_does_not_fit(options, setup->mesh.surface_count());
