@@ -28,6 +28,8 @@ MAY_INCLUDE = {
                            "radiosity/solvers"],
     "render": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity", "radiosity/meshing",
                "radiosity/solvers", "radiosity/pipeline"],
+    "baking": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity", "radiosity/form_factors",
+               "radiosity/meshing", "radiosity/solvers", "radiosity/pipeline"],
 }
 FOREIGN = {"embree3/": "tracing/ray_tracer", "draco/": "io/", "OpenEXR/": "image/", "webp/": "image/",
            "tbb/": "parallel/", "nlohmann/": "io/", "zlib.h": ("image/", "io/"), "stb_image": "image/"}
