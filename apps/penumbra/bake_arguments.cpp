@@ -51,7 +51,7 @@ void check_snapshots(const BakeArguments& a) {
   if (!a.snapshots) {
     if (a.snapshot_every) throw UsageError("--snapshot-every belongs to --snapshots DIR");
     if (a.snapshot_meshes) throw UsageError("--snapshot-meshes belongs to --snapshots DIR");
-    if (a.camera.name || a.camera.eye || a.camera.look_at || a.camera.up || a.camera.fov) {
+    if (a.camera.name || a.camera.eye || a.camera.look_at || a.camera.up || a.camera.lens.given()) {
       throw UsageError("the camera's options belong to --snapshots DIR; a solution is for every view");
     }
     return;

@@ -12,14 +12,6 @@ namespace {
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double usual_fov = 40 * radians_per_degree;
 
-double fov(const OptionValue& value) {
-  constexpr const char* what = "a vertical field of view in degrees, above 0 and below 180";
-  const double degrees = real_number(value, what);
-  if (degrees <= 0 || degrees >= 180)
-    throw UsageError(fmt::format("{} takes {}, not '{}'", value.option, what, value.text));
-  return degrees * radians_per_degree;
-}
-
 Vec3d direction(const OptionValue& value) {
   const Vec3d v = triple(value, "a direction x,y,z, such as 0,0,1");
   if (length(v) == 0) throw UsageError(value.option + " takes a direction, which 0,0,0 is not");
@@ -35,9 +27,7 @@ Camera eye_camera(const CameraOptions& options) {
     if (options.up) throw UsageError("--up points along the view from --eye to --look-at; choose another up");
     up = Vec3d(0, 0, -1);  // straight up or down: the top of the picture is the far side of a map
   }
-  return {.name = "eye",
-          .to_world = look_at(*options.eye, *options.look_at, up),
-          .lens = PerspectiveLens{options.fov.value_or(usual_fov)}};
+  return {.name = "eye", .to_world = look_at(*options.eye, *options.look_at, up), .lens = PerspectiveLens{usual_fov}};
 }
 
 std::string listed(const std::vector<Camera>& cameras) {
@@ -63,13 +53,17 @@ const Camera& file_camera(const std::string& name, const std::vector<Camera>& ca
   throw UsageError(fmt::format("--camera {}: {} has no such camera; it has {}", name, source, listed(cameras)));
 }
 
-Camera with_fov(Camera camera, const std::optional<double>& fov) {
-  if (!fov) return camera;
-  if (!std::holds_alternative<PerspectiveLens>(camera.lens)) {
-    throw UsageError("--fov does not apply to the orthographic camera '" + camera.name + "'; leave it away");
-  }
-  camera.lens = PerspectiveLens{*fov};
-  return camera;
+// The field of view of a camera that comes from nowhere but the options.
+std::optional<double> plane_fov(const LensOptions& lens) {
+  return lens.projection == LensOptions::Projection::fisheye ? std::nullopt : lens.fov;
+}
+
+Camera choose_eye(const CameraOptions& options, const RayTracer& tracer, double aspect, const std::string& source) {
+  const std::vector<Camera>& cameras = tracer.scene().cameras;
+  if (options.eye) return eye_camera(options);
+  if (options.name) return file_camera(*options.name, cameras, source);
+  if (!cameras.empty() && !options.up) return cameras.front();
+  return framing_camera(tracer, plane_fov(options.lens), aspect, options.up.value_or(Vec3d(0, 1, 0)));
 }
 
 // Adding 0 turns -0 into 0.
@@ -90,12 +84,11 @@ void add_camera_options(OptionParser& parser, CameraOptions& options) {
                "which way is up in the picture, for --eye and for the camera that frames the scene (default: 0,1,0); "
                "without --eye it asks for the latter",
                [&](const OptionValue& v) { options.up = direction(v); });
-  parser.value("--fov", "DEG",
-               "vertical field of view in degrees (default: the camera's own; 40 where it has none, 65 inside a room)",
-               [&](const OptionValue& v) { options.fov = fov(v); });
+  add_lens_options(parser, options.lens);
 }
 
 void check(const CameraOptions& options) {
+  check(options.lens);
   if (options.eye && !options.look_at) throw UsageError("--eye needs --look-at x,y,z, the point to look at");
   if (options.look_at && !options.eye) throw UsageError("--look-at needs --eye x,y,z, the point to look from");
   if (options.eye && options.name) throw UsageError("--camera and --eye both choose the camera; give one of them");
@@ -107,11 +100,7 @@ void check(const CameraOptions& options) {
 }
 
 Camera choose_camera(const CameraOptions& options, const RayTracer& tracer, double aspect, const std::string& source) {
-  const std::vector<Camera>& cameras = tracer.scene().cameras;
-  if (options.eye) return eye_camera(options);
-  if (options.name) return with_fov(file_camera(*options.name, cameras, source), options.fov);
-  if (!cameras.empty() && !options.up) return with_fov(cameras.front(), options.fov);
-  return framing_camera(tracer, options.fov, aspect, options.up.value_or(Vec3d(0, 1, 0)));
+  return with_lens(choose_eye(options, tracer, aspect, source), options.lens, tracer, aspect);
 }
 
 std::map<std::string, std::string> camera_metadata(const Camera& camera) {
@@ -121,9 +110,16 @@ std::map<std::string, std::string> camera_metadata(const Camera& camera) {
   if (!camera.name.empty()) metadata["camera.name"] = camera.name;
   if (const auto* flat = std::get_if<OrthographicLens>(&camera.lens)) {
     metadata["camera.height_m"] = fmt::format("{}", flat->height);
+  } else if (const auto* perspective = std::get_if<PerspectiveLens>(&camera.lens)) {
+    metadata["camera.fov_degrees"] = fmt::format("{}", perspective->vertical_fov / radians_per_degree);
+  } else if (const auto* round = std::get_if<FisheyeLens>(&camera.lens)) {
+    metadata["camera.fisheye_degrees"] = fmt::format("{}", round->fov / radians_per_degree);
   } else {
-    metadata["camera.fov_degrees"] =
-        fmt::format("{}", std::get<PerspectiveLens>(camera.lens).vertical_fov / radians_per_degree);
+    metadata["camera.projection"] = "panorama";
+  }
+  if (camera.thin_lens) {
+    metadata["camera.lens_radius_m"] = fmt::format("{}", camera.thin_lens->radius);
+    metadata["camera.focus_m"] = fmt::format("{}", camera.thin_lens->focus);
   }
   return metadata;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "option_parser.h"
+#include "lens_options.h"
 #include "penumbra/tracing/ray_tracer.h"
 
 namespace penumbra::cli {
@@ -14,7 +14,7 @@ struct CameraOptions {
   std::optional<std::string> name;
   std::optional<Vec3d> eye, look_at;  ///< m
   std::optional<Vec3d> up;            ///< unit
-  std::optional<double> fov;          ///< rad, vertical
+  LensOptions lens;
 };
 
 /// `options` must outlive `parser`'s last parse.

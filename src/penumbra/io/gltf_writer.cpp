@@ -494,6 +494,11 @@ class GltfWriter {
   }
 
   void add_camera(const Camera& camera) {
+    if (std::holds_alternative<PanoramicLens>(camera.lens) || std::holds_alternative<FisheyeLens>(camera.lens)) {
+      warnings_.push_back(
+          fmt::format("camera '{}' is left out: glTF has perspective and orthographic ones only", camera.name));
+      return;
+    }
     Json json = Json::object();
     if (!camera.name.empty()) json["name"] = camera.name;
     if (const auto* lens = std::get_if<PerspectiveLens>(&camera.lens)) {

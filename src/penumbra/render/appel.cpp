@@ -40,7 +40,7 @@ class Appel final : public Integrator {
     if (auto lights = packet_lights(scene, direct_.lights(), options.samples_per_pixel == 1);
         lights && direct_.is_binary()) {
       lights_ = std::move(*lights);
-      packets_ = !camera.orthographic();
+      packets_ = camera.is_pinhole();
       raster_ = {Vec3f(camera.eye()), Vec3f(camera.corner()), Vec3f(camera.step_x()), Vec3f(camera.step_y())};
     }
   }
@@ -123,6 +123,10 @@ void Appel::render_singly(const PixelBlock& block, int sample, Film& film, RayCo
     for (int x = block.x0; x < block.x1; ++x) {
       PixelSampler sampler(seed_, x, y, sample);
       const auto [ray, weight] = camera_.ray(x, y, sampler);
+      if (weight == 0) {
+        film.add_nothing(x, y);
+        continue;
+      }
       const std::uint64_t before = rays.total();
       count(rays, RayPurpose::primary, 0);
       PixelEstimate seen = shade(ray, tracer_.nearest(ray), sampler, rays);

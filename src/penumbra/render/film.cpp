@@ -1,6 +1,7 @@
 #include "penumbra/render/film.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "penumbra/parallel/parallel_for.h"
 
@@ -64,6 +65,12 @@ void Film::add_layers(int x, int y, const PixelEstimate& e, const Vec3d& weighte
   l.albedo += Vec3d(e.albedo);
   l.normal += Vec3d(e.normal);
   l.rays += e.rays;
+}
+
+void Film::add_nothing(int x, int y) {
+  PixelEstimate nothing;
+  nothing.depth = std::numeric_limits<float>::infinity();
+  add(x, y, nothing, 0);
 }
 
 double Film::mean_samples() const {

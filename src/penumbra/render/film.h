@@ -40,6 +40,9 @@ class Film {
     if (!layers_.empty()) add_layers(x, y, estimate, c);
   }
 
+  /// Adds a sample along which no light comes.
+  void add_nothing(int x, int y);
+
   [[nodiscard]] double mean_samples() const;
 
   /// The picture so far; pixels without a sample are black.

@@ -8,6 +8,10 @@ void RayIntegrator::render(const PixelBlock& block, Film& film, RayCounts& rays)
       for (int sample = block.first_sample; sample < block.last_sample; ++sample) {
         PixelSampler sampler(seed_, x, y, sample);
         const auto [ray, weight] = camera_.ray(x, y, sampler);
+        if (weight == 0) {
+          film.add_nothing(x, y);
+          continue;
+        }
         const std::uint64_t before = rays.total();
         PixelEstimate estimate = this->estimate(ray, sampler, rays);
         estimate.rays = static_cast<float>(rays.total() - before);

@@ -188,9 +188,11 @@ void validate_camera(const Camera& camera, const Subject& subject) {
   if (const auto* lens = std::get_if<PerspectiveLens>(&camera.lens)) {
     subject.require(lens->vertical_fov > 0 && lens->vertical_fov < 3.141592653589794,
                     "its field of view is not between 0 and 180 degrees");
-  } else {
-    const double height = std::get<OrthographicLens>(camera.lens).height;
-    subject.require(finite(height) && height > 0, "the height that it sees is not a positive number");
+  } else if (const auto* flat = std::get_if<OrthographicLens>(&camera.lens)) {
+    subject.require(finite(flat->height) && flat->height > 0, "the height that it sees is not a positive number");
+  } else if (const auto* round = std::get_if<FisheyeLens>(&camera.lens)) {
+    subject.require(round->fov > 0 && round->fov < 6.283185307179587,
+                    "its field of view is not between 0 and 360 degrees");
   }
 }
 
