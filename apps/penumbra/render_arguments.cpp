@@ -11,6 +11,7 @@ namespace {
 
 constexpr int usual_samples = 4;
 constexpr int usual_path_samples = 64;
+constexpr int usual_samples_by_noise = 4096;
 constexpr int most_samples = 1 << 24;  // what render() takes
 constexpr int most_segments = std::numeric_limits<int>::max();
 
@@ -105,9 +106,17 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
         options.integrator = kind.value_or(options.integrator);
         arguments.integrator = v.text;
       });
-  parser.value("--spp", "N", "samples a pixel (default: 4; 64 for path)", [&](const OptionValue& v) {
-    given.samples = static_cast<int>(whole_number(v, 1, most_samples, "samples"));
-  });
+  parser.value(
+      "--spp", "N", "samples a pixel, at most with --noise (default: 4; 64 for path; 4096 with --noise)",
+      [&](const OptionValue& v) { given.samples = static_cast<int>(whole_number(v, 1, most_samples, "samples")); });
+  parser.value(
+      "--noise", "X",
+      "adaptive sampling: sample until the standard error of pixels is this share of their brightness, such as "
+      "0.02; quiet parts get 16 samples (default: the same number everywhere)",
+      [&](const OptionValue& v) {
+        options.noise = positive(v, "a share above 0 and below 1, such as 0.02");
+        if (options.noise >= 1) throw UsageError("--noise takes a share below 1, not '" + v.text + "'");
+      });
   parser.value("--filter", "NAME",
                "how samples become pixels: box, tent, gaussian, mitchell or blackman-harris (default: box)",
                [&](const OptionValue& v) { options.filter = choice<FilterKind>(v, filters); });
@@ -154,7 +163,11 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   const bool radiosity = integrator == "radiosity";
   const bool path = !radiosity && options.integrator == IntegratorKind::path;
   const bool appel = !radiosity && options.integrator == IntegratorKind::appel;
-  options.samples_per_pixel = given.samples.value_or(path ? usual_path_samples : usual_samples);
+  const int usual = options.noise > 0 ? usual_samples_by_noise : path ? usual_path_samples : usual_samples;
+  options.samples_per_pixel = given.samples.value_or(usual);
+  if (options.noise > 0 && options.samples_per_pixel < 32) {
+    throw UsageError("--noise needs some samples to judge by; raise --spp to 32 or more, or leave it away");
+  }
   const auto refuse = [&](const char* option, const char* reason) {
     throw UsageError(
         fmt::format("{} does not apply to --integrator {}, {}; leave it away", option, integrator, reason));

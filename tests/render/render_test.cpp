@@ -51,6 +51,22 @@ TEST(RenderThreaded, AnyNumberOfThreadsDrawsTheSameBits) {
   }
 }
 
+TEST(RenderThreaded, AdaptiveSamplingDrawsTheSameBitsOnAnyNumberOfThreads) {
+  Stage stage;
+  stage.options.samples_per_pixel = 200;
+  stage.options.noise = 0.1;
+  for (const IntegratorKind kind : integrators) {
+    stage.options.integrator = kind;
+    const auto draw = [&](int threads) {
+      const ThreadLimit limit(threads);
+      return stage.draw();
+    };
+    const RenderResult one = draw(1);
+    EXPECT_LT(one.mean_samples, 200);
+    for (const int threads : {2, 8}) EXPECT_EQ(draw(threads).image.data, one.image.data) << static_cast<int>(kind);
+  }
+}
+
 TEST(Render, TheSameSeedGivesTheSamePictureAnotherAnother) {
   Stage stage;
   stage.options.integrator = IntegratorKind::path;

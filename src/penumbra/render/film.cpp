@@ -39,7 +39,7 @@ LayerName layer_name(Aov aov) {
 
 }  // namespace
 
-Film::Film(int width, int height, std::vector<Aov> aovs)
+Film::Film(int width, int height, std::vector<Aov> aovs, bool measures_noise)
     : width_(width),
       height_(height),
       aovs_(std::move(aovs)),
@@ -51,6 +51,7 @@ Film::Film(int width, int height, std::vector<Aov> aovs)
   std::sort(aovs_.begin(), aovs_.end());
   aovs_.erase(std::unique(aovs_.begin(), aovs_.end()), aovs_.end());
   if (!aovs_.empty()) layers_.resize(size_);
+  if (measures_noise) squares_.resize(size_);
 }
 
 void Film::add_layers(int x, int y, const PixelEstimate& e, const Vec3d& weighted) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -26,7 +27,8 @@ struct PixelEstimate {
 /// sample, since their means mean nothing. Variance is that of the pixel's mean.
 class Film {
  public:
-  Film(int width, int height, std::vector<Aov> aovs);
+  /// @param measures_noise whether squared_error() will be asked for.
+  Film(int width, int height, std::vector<Aov> aovs, bool measures_noise = false);
 
   /// Whether more than colour is to be recorded.
   [[nodiscard]] bool has_layers() const { return !aovs_.empty(); }
@@ -37,11 +39,27 @@ class Film {
     const Vec3d c = Vec3d(weight * estimate.radiance);
     for (int band = 0; band < 3; ++band) p.radiance[band] += c[band];
     ++p.samples;
+    if (!squares_.empty()) {
+      const double bright = luminance(Rgb(c));
+      squares_[index(x, y)] += bright * bright;
+    }
     if (!layers_.empty()) add_layers(x, y, estimate, c);
   }
 
   /// Adds a sample along which no light comes.
   void add_nothing(int x, int y);
+
+  /// Mean luminance of a pixel's samples, W/(m^2 sr).
+  [[nodiscard]] double brightness(int x, int y) const {
+    const Pixel& p = pixels_[index(x, y)];
+    return p.samples > 0 ? luminance(Rgb(p.radiance[0], p.radiance[1], p.radiance[2])) / p.samples : 0;
+  }
+  /// Variance of that mean, as if the samples were independent (those of Owen-scrambled Sobol points do better).
+  /// @pre the film measures noise and the pixel has at least two samples.
+  [[nodiscard]] double squared_error(int x, int y) const {
+    const double n = pixels_[index(x, y)].samples, mean = brightness(x, y);
+    return std::max(0.0, squares_[index(x, y)] / n - mean * mean) / (n - 1);
+  }
 
   [[nodiscard]] double mean_samples() const;
 
@@ -70,6 +88,7 @@ class Film {
   std::size_t size_;
   std::unique_ptr<Pixel[]> pixels_;  // cleared on every thread: large pictures are mostly fresh pages
   std::vector<Layers> layers_;
+  std::vector<double> squares_;  // of the samples' luminance
 };
 
 }  // namespace penumbra

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/render/active_blocks.h"
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/radiosity_view.h"
 #include "penumbra/render/ray_tally.h"
@@ -19,9 +20,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int tile_side = 32;  // pixels; a task
-constexpr int block_side = 4;  // pixels; a packet of rays
+constexpr int tile_side = 32;                   // pixels; a task
+constexpr int block_side = ActiveBlocks::side;  // pixels; a packet of rays
 constexpr int most_samples_a_pass = 16;
+constexpr int samples_before_rest = 16;  // of a pixel, before its noise is believed
 
 void check(const RenderOptions& o) {
   const auto require = [](bool ok, const char* what) {
@@ -32,6 +34,7 @@ void check(const RenderOptions& o) {
   require(o.samples_per_pixel >= 1 && o.samples_per_pixel <= 1 << 24, "samples per pixel must be 1 to 16777216");
   require(o.max_depth >= 0, "the depth must not be negative");
   require(o.min_throughput >= 0 && o.min_throughput <= 1, "the smallest throughput must lie in 0 to 1");
+  require(o.noise >= 0 && o.noise < 1, "the noise target must lie in 0 to 1");
   require(o.time_limit >= 0, "the time limit must not be negative");
   if (o.region) {
     const Region& r = *o.region;
@@ -76,6 +79,7 @@ class Job {
         columns_((region_.x1 - region_.x0 + tile_side - 1) / tile_side),
         rows_((region_.y1 - region_.y0 + tile_side - 1) / tile_side),
         counts_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+        blocks_(region_, options.noise),
         began_(Clock::now()) {}
 
   /// False when it was cut short.
@@ -84,11 +88,18 @@ class Job {
     for (const int last : pass_ends(options_.samples_per_pixel)) {
       parallel_for(counts_.size(), 1, [&](std::size_t tile, std::size_t) {
         if (cut_short()) return;
-        render_tile(tile, first, last);
-        tell(last - first);
+        const std::size_t blocks = render_tile(tile, first, last);
+        tell(blocks * static_cast<std::size_t>(last - first));
       });
       if (cut_.load()) return false;
       first = last;
+      if (options_.noise > 0 && last >= samples_before_rest) {
+        const std::size_t active = blocks_.active_count();
+        blocks_.update(film_);
+        // What rests will get no more.
+        tell((active - blocks_.active_count()) * static_cast<std::size_t>(options_.samples_per_pixel - last));
+        if (blocks_.active_count() == 0) break;
+      }
     }
     return true;
   }
@@ -116,24 +127,29 @@ class Job {
     return late || progress_.stop_requested();
   }
 
-  void render_tile(std::size_t tile, int first, int last) {
+  /// Returns the number of blocks that were not at rest.
+  std::size_t render_tile(std::size_t tile, int first, int last) {
+    std::size_t blocks = 0;
     const int x0 = region_.x0 + static_cast<int>(tile) % columns_ * tile_side;
     const int y0 = region_.y0 + static_cast<int>(tile) / columns_ * tile_side;
     const int x1 = std::min(region_.x1, x0 + tile_side);
     const int y1 = std::min(region_.y1, y0 + tile_side);
     for (int y = y0; y < y1; y += block_side) {
       for (int x = x0; x < x1; x += block_side) {
+        if (!blocks_.is_active((x - region_.x0) / block_side, (y - region_.y0) / block_side)) continue;
         const PixelBlock block{x, y, std::min(x1, x + block_side), std::min(y1, y + block_side), first, last};
         integrator_.render(block, film_, counts_[tile]);
+        ++blocks;
       }
     }
+    return blocks;
   }
 
-  void tell(int samples) {
+  void tell(std::size_t block_samples) {
     if (!progress_.report) return;
-    const double all = static_cast<double>(counts_.size()) * options_.samples_per_pixel;
+    const double all = static_cast<double>(blocks_.block_count()) * options_.samples_per_pixel;
     const std::scoped_lock lock(telling_);
-    done_ += samples;
+    done_ += block_samples;
     progress_.tell("render", std::min(1.0, static_cast<double>(done_) / all));
   }
 
@@ -144,10 +160,11 @@ class Job {
   Region region_;
   int columns_, rows_;
   std::vector<RayCounts> counts_;  // by tile
+  ActiveBlocks blocks_;
   Clock::time_point began_;
   std::atomic<bool> cut_{false};
   std::mutex telling_;
-  std::int64_t done_ = 0;
+  std::size_t done_ = 0;  // blocks x samples
 };
 
 /// Shows a radiosity solution.
@@ -177,7 +194,7 @@ class RadiosityIntegrator final : public RayIntegrator {
 
 RenderResult draw(const Integrator& integrator, const RenderOptions& options, const Progress& progress,
                   Clock::time_point began) {
-  Film film(options.width, options.height, options.aovs);
+  Film film(options.width, options.height, options.aovs, options.noise > 0);
   Job job(integrator, options, progress, film);
 
   RenderResult result;
