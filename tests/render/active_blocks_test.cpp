@@ -90,7 +90,8 @@ double mean_of(const Image& image) {
 // The mean over many seeds against uniform sampling with as many: equal within three standard errors of their
 // difference, itself below half a percent.
 TEST(AdaptiveSampling, HasNoBiasThatCouldBeSeen) {
-  const RayTracer tracer(make_builtin_scene("cornell-box"));
+  const Scene scene = make_builtin_scene("cornell-box");
+  const RayTracer tracer(scene);
   constexpr int seeds = 24;
   double sums[2] = {}, squares[2] = {}, samples = 0;
   for (int seed = 0; seed < seeds; ++seed) {
