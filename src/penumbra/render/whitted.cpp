@@ -1,110 +1,81 @@
-#include "penumbra/math/spectrum.h"
 #include "penumbra/render/direct_light.h"
 #include "penumbra/render/first_surface.h"
 #include "penumbra/render/integrator.h"
-#include "penumbra/render/interior.h"
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/tracing/shading/specular_tree.h"
 
 namespace penumbra {
 namespace {
 
-// Lobes up to this roughness are followed by mirror and refraction rays (docs/guide/rendering.md).
-constexpr double followed_roughness = 0.1;
 constexpr int default_depth = 16;
 
-/// Whitted 1979: shadow rays to every light, mirror and refraction rays followed recursively, each with the weight it
-/// carries to the picture, until the weight falls below a bound or the depth is reached; what they bring is returned up
-/// the tree.
+/// Whitted 1979: shadow rays to every light, mirror and refraction rays followed recursively, until their weight falls
+/// below a bound or the depth is reached; what they bring is returned up the tree.
 class Whitted final : public RayIntegrator {
  public:
   Whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
       : RayIntegrator(camera, options.seed),
-        tracer_(tracer),
+        tree_(tracer, options.front_sides_only),
         direct_(tracer, !options.opaque_shadows, options.samples_per_pixel == 1),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
-        min_throughput_(options.min_throughput),
-        front_sides_only_(options.front_sides_only) {}
+        min_throughput_(static_cast<float>(options.min_throughput)) {}
 
   [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override {
     PixelEstimate seen;
     count(rays, RayPurpose::primary, 0);
-    Branch root{.weight = Rgb(1), .depth = 0, .start = ray.origin, .interior = {}};
-    seen.radiance = trace(ray, root, sampler, rays, &seen);
+    Eye eye(*this, sampler, rays, seen);
+    seen.radiance = tree_.trace(ray, {.start = ray.origin}, eye);
     return seen;
   }
 
  private:
-  // A ray of the tree: its weight in the picture, its depth, and the media it travels in.
-  struct Branch {
-    Rgb weight;
-    int depth;
-    Vec3d start;  // the point that it leaves; the ray itself starts a rounding error beside it
-    Interior interior;
+  /// What one camera ray sees, by the surfaces of its tree.
+  class Eye final : public SpecularTree::Visitor {
+   public:
+    Eye(const Whitted& owner, PixelSampler& sampler, RayCounts& rays, PixelEstimate& seen)
+        : owner_(owner), sampler_(sampler), rays_(rays), seen_(seen) {}
+
+    Rgb surface(const SpecularTree::Node& node) override {
+      const Material& material = owner_.tree_.tracer().scene().materials[node.point.material];
+      const bool shines = material.unlit || emits_towards(material, node.point.geometric_normal, node.wo);
+      Rgb radiance = shines ? node.surface.emission : Rgb(0);
+      radiance += owner_.direct_.lights().ambient() * node.bsdf.diffuse_reflectance();
+      if (node.bsdf.has_spread()) {
+        radiance += owner_.direct_.reflected(node.point, node.bsdf, node.wo, followed_roughness, node.branch.depth,
+                                             sampler_, rays_);
+      }
+      if (node.branch.depth == 0) {
+        note_surface(seen_, node.ray, node.point, node.surface, node.bsdf, node.passed * node.surface.alpha * radiance);
+      }
+      return radiance;
+    }
+
+    Rgb sky(const Ray& ray, const SpecularTree::Branch& branch) override {
+      const Rgb radiance = owner_.direct_.lights().environment().radiance(ray.direction);
+      if (branch.depth == 0) note_miss(seen_, radiance);
+      return radiance;
+    }
+
+    float followed(const Rgb& weight, int depth) override {
+      return depth < owner_.max_depth_ && max_component(weight) >= owner_.min_throughput_ ? 1 : 0;
+    }
+
+    void count(bool refracted, int depth) override {
+      penumbra::count(rays_, refracted ? RayPurpose::refraction : RayPurpose::reflection, depth);
+    }
+
+   private:
+    const Whitted& owner_;
+    PixelSampler& sampler_;
+    RayCounts& rays_;
+    PixelEstimate& seen_;
   };
 
-  Rgb trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, RayCounts& rays, PixelEstimate* seen) const;
-  Rgb follow(const SurfacePoint& point, const Vec3d& direction, const Rgb& weight, const Branch& parent,
-             RayPurpose purpose, PixelSampler& sampler, RayCounts& rays) const;
-
-  const RayTracer& tracer_;
+  SpecularTree tree_;
   DirectLight direct_;
   int max_depth_;
-  double min_throughput_;
-  bool front_sides_only_;
+  float min_throughput_;
 };
-
-Rgb Whitted::trace(const Ray& ray, const Branch& branch, PixelSampler& sampler, RayCounts& rays,
-                   PixelEstimate* seen) const {
-  const auto hit = tracer_.nearest(ray);
-  if (!hit) {
-    const Rgb sky = direct_.lights().environment().radiance(ray.direction);
-    if (seen) note_miss(*seen, sky);
-    return sky;
-  }
-  const SurfacePoint point = tracer_.surface_point(ray, *hit);
-  const Vec3d wo = -ray.direction;
-  const bool front = dot(point.geometric_normal, wo) > 0;
-  const Material& material = tracer_.scene().materials[point.material];
-  const Rgb passed =
-      branch.interior.transmittance(tracer_.scene(), point, front, length(point.position - branch.start));
-  if (front_sides_only_ && !front && material.transmission == 0) return Rgb(0);
-
-  const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
-  const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
-  const bool shines = material.unlit || emits_towards(material, point.geometric_normal, wo);
-  Rgb radiance = shines ? surface.emission : Rgb(0);
-  radiance += direct_.lights().ambient() * bsdf.diffuse_reflectance();
-  if (bsdf.has_spread()) {
-    radiance += direct_.reflected(point, bsdf, wo, followed_roughness, branch.depth, sampler, rays);
-  }
-  if (seen) note_surface(*seen, ray, point, surface, bsdf, passed * surface.alpha * radiance);
-
-  Branch here = branch;
-  here.weight *= passed * surface.alpha;
-  const SpecularSplit split = bsdf.specular_split(wo, followed_roughness);
-  if (!is_black(split.reflected)) {
-    radiance += follow(point, split.reflection_direction, split.reflected, here, RayPurpose::reflection, sampler, rays);
-  }
-  if (!is_black(split.refracted)) {
-    radiance += follow(point, split.refraction_direction, split.refracted, here, RayPurpose::refraction, sampler, rays);
-  }
-  radiance *= surface.alpha;
-  if (surface.alpha < 1) {
-    here.weight = branch.weight * passed;
-    radiance += follow(point, ray.direction, Rgb(1 - surface.alpha), here, RayPurpose::refraction, sampler, rays);
-  }
-  return passed * radiance;
-}
-
-Rgb Whitted::follow(const SurfacePoint& point, const Vec3d& direction, const Rgb& weight, const Branch& parent,
-                    RayPurpose purpose, PixelSampler& sampler, RayCounts& rays) const {
-  const Rgb carried = parent.weight * weight;
-  if (parent.depth >= max_depth_ || max_component(carried) < static_cast<float>(min_throughput_)) return Rgb(0);
-  Branch child{.weight = carried, .depth = parent.depth + 1, .start = point.position, .interior = parent.interior};
-  child.interior.cross(tracer_.scene(), point, direction, purpose == RayPurpose::refraction);
-  count(rays, purpose, child.depth);
-  return weight * trace(leave(point, direction), child, sampler, rays, nullptr);
-}
 
 }  // namespace
 

@@ -1,0 +1,46 @@
+#include "penumbra/tracing/shading/specular_tree.h"
+
+namespace penumbra {
+
+Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) const {
+  const auto hit = tracer_.nearest(ray);
+  if (!hit) return visitor.sky(ray, branch);
+  const Scene& scene = tracer_.scene();
+  const SurfacePoint point = tracer_.surface_point(ray, *hit);
+  const Vec3d wo = -ray.direction;
+  const bool front = dot(point.geometric_normal, wo) > 0;
+  const Rgb passed = branch.interior.transmittance(scene, point, front, length(point.position - branch.start));
+  if (front_sides_only_ && !front && scene.materials[point.material].transmission == 0) return Rgb(0);
+
+  const SurfaceMaterial surface = surface_material(scene, point);
+  const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
+  Node node{ray, point, surface, bsdf, wo, front, passed, branch};
+  node.branch.weight *= passed * surface.alpha;
+  Rgb radiance = visitor.surface(node);
+  const SpecularSplit split = bsdf.specular_split(wo, followed_roughness);
+  if (!is_black(split.reflected)) {
+    radiance += follow(point, node.branch, split.reflection_direction, split.reflected, false, visitor);
+  }
+  if (!is_black(split.refracted)) {
+    radiance += follow(point, node.branch, split.refraction_direction, split.refracted, true, visitor);
+  }
+  radiance *= surface.alpha;
+  if (surface.alpha < 1) {
+    node.branch.weight = branch.weight * passed;
+    radiance += follow(point, node.branch, ray.direction, Rgb(1 - surface.alpha), true, visitor);
+  }
+  return passed * radiance;
+}
+
+Rgb SpecularTree::follow(const SurfacePoint& point, const Branch& from, const Vec3d& direction, const Rgb& weight,
+                         bool refracted, Visitor& visitor) const {
+  const Rgb carried = from.weight * weight;
+  const float times = visitor.followed(carried, from.depth);
+  if (!(times > 0)) return Rgb(0);
+  Branch child{.weight = times * carried, .depth = from.depth + 1, .start = point.position, .interior = from.interior};
+  child.interior.cross(tracer_.scene(), point, direction, refracted);
+  visitor.count(refracted, child.depth);
+  return times * weight * trace(leave(point, direction), child, visitor);
+}
+
+}  // namespace penumbra
