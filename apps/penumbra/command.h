@@ -11,6 +11,8 @@ namespace penumbra::cli {
 [[nodiscard]] int run_render(const std::vector<std::string>& arguments);
 /// Solves the diffuse light of a scene.
 [[nodiscard]] int run_bake(const std::vector<std::string>& arguments);
+/// Shows the ray tree of a pixel.
+[[nodiscard]] int run_explain(const std::vector<std::string>& arguments);
 /// Measures how far two pictures lie apart.
 [[nodiscard]] int run_compare(const std::vector<std::string>& arguments);
 /// Computes the form factors of a mesh.

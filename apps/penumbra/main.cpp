@@ -27,6 +27,7 @@ constexpr Command commands[] = {
     {"bake", "solves the diffuse light of a scene once, for every view", run_bake},
     {"factors", "computes the form factors (view factors) of a mesh", run_factors},
     {"exchange", "computes the exchange of heat by radiation between surfaces", run_exchange},
+    {"explain", "shows every ray behind a pixel, and why each ended", run_explain},
     {"check", "looks for holes where light leaks, and for odd numbers in a scene", run_check},
     {"compare", "measures how far two pictures lie apart", run_compare},
     {"scene", "lists the built-in scenes, or writes one as a file", run_scene},

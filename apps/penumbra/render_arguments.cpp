@@ -38,18 +38,6 @@ struct Given {
   std::optional<double> min_throughput;
 };
 
-void take_size(const OptionValue& value, RenderOptions& options) {
-  const std::size_t cross = value.text.find('x');
-  try {
-    if (cross == std::string::npos) throw UsageError("no x");
-    options.width = static_cast<int>(whole_number({"", value.text.substr(0, cross)}, 1, max_image_side, ""));
-    options.height = static_cast<int>(whole_number({"", value.text.substr(cross + 1)}, 1, max_image_side, ""));
-  } catch (const UsageError&) {
-    throw UsageError(fmt::format("{} takes WIDTHxHEIGHT in pixels, each from 1 to {}, such as 800x600, not '{}'",
-                                 value.option, max_image_side, value.text));
-  }
-}
-
 Region region(const OptionValue& value) {
   constexpr const char* what = "four whole numbers x0,y0,x1,y1 in pixels, such as 0,0,400,300";
   const auto n = number_list(value, 4, what);
@@ -81,9 +69,9 @@ std::vector<Aov> aovs(const OptionValue& value) {
   return wanted;
 }
 
-void add_picture_shape_options(OptionParser& parser, RenderOptions& options) {
-  parser.value("--size", "WxH", "width and height in pixels (default: 800x600)",
-               [&](const OptionValue& v) { take_size(v, options); });
+void add_picture_shape_options(OptionParser& parser, RenderArguments& arguments) {
+  RenderOptions& options = arguments.render;
+  add_picture_size_option(parser, arguments.size);
   parser.value("--region", "x0,y0,x1,y1",
                "draw these pixels only: from x0,y0 to before x1,y1, with 0,0 at the top left (default: all)",
                [&](const OptionValue& v) { options.region = region(v); });
@@ -214,7 +202,7 @@ std::optional<RenderArguments> parse_render_arguments(const std::vector<std::str
   Given given;
   OptionParser parser("render", "SCENE -o IMAGE [options]", "draws a picture of a scene");
   add_picture_options(parser, result.picture);
-  add_picture_shape_options(parser, result.render);
+  add_picture_shape_options(parser, result);
   add_method_options(parser, result, given);
   add_solution_options(parser, result);
   add_camera_options(parser, result.camera);
@@ -223,6 +211,8 @@ std::optional<RenderArguments> parse_render_arguments(const std::vector<std::str
   parser.examples({"penumbra render builtin:cornell-box --integrator path --size 512x512 --spp 256 -o cornell.png",
                    "penumbra render model.glb --eye 3,2,4 --look-at 0,1,0 --fov 35 --aov normal,depth -o model.exr"});
   if (!parser.parse(arguments)) return std::nullopt;
+  result.render.width = result.size.width;
+  result.render.height = result.size.height;
   apply(given, result.integrator, result.render);
   result.render.seed = result.common.seed;
   result.render.front_sides_only = result.scene.front_sides_only;

@@ -8,6 +8,7 @@
 #include "common_options.h"
 #include "penumbra/render/render.h"
 #include "picture_file.h"
+#include "picture_size.h"
 #include "radiosity_options.h"
 #include "scene_options.h"
 
@@ -18,6 +19,7 @@ struct RenderArguments {
   SceneOptions scene;
   CameraOptions camera;
   PictureFile picture;
+  PictureSize size;
   RenderOptions render;
   CommonOptions common;
   std::string integrator = "whitted";   ///< as the user named it

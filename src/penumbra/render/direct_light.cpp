@@ -15,16 +15,24 @@ constexpr int candidates = 8;
 
 Rgb DirectLight::reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
                            int depth, PixelSampler& sampler, RayCounts& rays) const {
-  const Vec3d& n = bsdf.shading_normal();
-  const Receiver to{point, bsdf, wo, dot(n, wo) < 0 ? -n : n, roughness_limit};
   Rgb sum(0);
   for (std::size_t light = 0; light < lights_.light_count(); ++light) {
-    const Candidate c = from_light(to, light, sampler);
-    if (is_black(c.radiance)) continue;
+    const auto met = meet(point, bsdf, wo, roughness_limit, light, sampler);
+    if (!met) continue;
     count(rays, RayPurpose::shadow, depth);
-    sum += c.radiance * shadow_.transmittance(c.shadow_ray);
+    sum += met->radiance;
   }
   return sum;
+}
+
+std::optional<DirectLight::Meeting> DirectLight::meet(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
+                                                      double roughness_limit, std::size_t light,
+                                                      PixelSampler& sampler) const {
+  const Vec3d& n = bsdf.shading_normal();
+  const Receiver to{point, bsdf, wo, dot(n, wo) < 0 ? -n : n, roughness_limit};
+  const Candidate c = from_light(to, light, sampler);
+  if (is_black(c.radiance)) return std::nullopt;
+  return Meeting{c.shadow_ray, c.radiance * shadow_.transmittance(c.shadow_ray)};
 }
 
 DirectLight::Candidate DirectLight::from_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const {

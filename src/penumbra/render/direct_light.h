@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "penumbra/render/pixel_sampler.h"
 #include "penumbra/render/render.h"
 #include "penumbra/tracing/shading/bsdf.h"
@@ -22,6 +24,15 @@ class DirectLight {
   /// among several by what it would bring unhindered. Lobes of roughness up to `roughness_limit` are left out.
   [[nodiscard]] Rgb reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
                               int depth, PixelSampler& sampler, RayCounts& rays) const;
+
+  /// A shadow ray to one light, and what it brings.
+  struct Meeting {
+    Ray shadow_ray;
+    Rgb radiance{0};  ///< that the surface sends towards `wo` because of it; 0 when something stands in the way
+  };
+  /// The same for one light; none when it cannot light the surface at all.
+  [[nodiscard]] std::optional<Meeting> meet(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
+                                            double roughness_limit, std::size_t light, PixelSampler& sampler) const;
 
   [[nodiscard]] const LightSampler& lights() const { return lights_; }
   /// True when nothing is half transparent, so that one occlusion query decides.
