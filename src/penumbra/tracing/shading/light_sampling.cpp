@@ -93,7 +93,7 @@ LightSampler::LightSampler(const Scene& scene)
     object < scene.instances.size() ? add_mesh(object) : add_shape(object);
   }
   add_environment();
-  finish_choice();
+  make_choice();
 }
 
 void LightSampler::add_punctual() {
@@ -132,15 +132,9 @@ void LightSampler::add_mesh(std::uint32_t object) {
     source.cdf.push_back(source.power);
   }
   if (source.triangles.empty()) return;
-  std::vector<float> probability(mesh.triangles.size(), 0.0F);
   for (double& c : source.cdf) c /= source.power;
-  for (std::size_t i = 0; i < source.triangles.size(); ++i) {
-    probability[source.triangles[i]] = static_cast<float>(source.cdf[i + 1] - source.cdf[i]);
-  }
   source.middle = flat_middle(source);
   light_of_object_[object] = static_cast<std::uint32_t>(lights_.size());
-  triangle_probability_.resize(lights_.size() + 1);
-  triangle_probability_.back() = std::move(probability);
   lights_.push_back(std::move(source));
 }
 
@@ -189,11 +183,84 @@ void LightSampler::add_environment() {
   if (power > 0) lights_.push_back({Kind::environment, 0, power, {}, {}, {}});
 }
 
-void LightSampler::finish_choice() {
-  triangle_probability_.resize(lights_.size());
-  choice_cdf_.assign(1, 0.0);
-  for (const Source& s : lights_) choice_cdf_.push_back(choice_cdf_.back() + s.power);
-  for (double& c : choice_cdf_) c /= std::max(choice_cdf_.back(), std::numeric_limits<double>::min());
+// Bounds of a triangle of a mesh, of a shape, or of a punctual light at a place.
+LightTree::Emitter LightSampler::emitter(const Source& source, std::size_t part) const {
+  LightTree::Emitter e{.bounds = {}, .axis = {0, 0, 1}, .spread = pi, .beam = pi / 2, .power = source.power};
+  if (source.kind == Kind::mesh) {
+    const Instance& instance = scene_->instances[source.index];
+    const Mesh& mesh = scene_->meshes[instance.mesh];
+    const WorldTriangle t = world_triangle(instance, mesh, source.triangles[part]);
+    for (const Vec3d& corner : {t.v0, t.v0 + t.e1, t.v0 + t.e2}) e.bounds.grow(corner);
+    e.axis = normalize(t.area_normal()) * (is_mirroring(instance.to_world) ? -1.0 : 1.0);
+    e.spread = 0;
+    e.both_sides = scene_->materials[mesh.material_of(source.triangles[part])].double_sided;
+    e.power = source.power * (source.cdf[part + 1] - source.cdf[part]);
+    return e;
+  }
+  if (source.kind == Kind::shape) {
+    const ShapeObject& object = scene_->shapes[source.index - scene_->instances.size()];
+    e.both_sides = scene_->materials[object.material].double_sided;
+    if (const auto* sphere = std::get_if<Sphere>(&object.shape)) {
+      e.bounds.grow(sphere->centre - sphere->radius);
+      e.bounds.grow(sphere->centre + sphere->radius);
+    } else if (const auto* disk = std::get_if<Disk>(&object.shape)) {
+      e.bounds.grow(disk->centre - disk->radius);
+      e.bounds.grow(disk->centre + disk->radius);
+      e.axis = disk->normal;
+      e.spread = 0;
+    } else {
+      const auto& cylinder = std::get<Cylinder>(object.shape);
+      for (const Vec3d& end : {cylinder.base, cylinder.top}) {
+        e.bounds.grow(end - cylinder.radius);
+        e.bounds.grow(end + cylinder.radius);
+      }
+    }
+    return e;
+  }
+  const auto& kind = scene_->lights[source.index].kind;
+  if (const auto* spot = std::get_if<SpotLight>(&kind)) {
+    e.bounds.grow(spot->position);
+    e.axis = spot->direction;
+    e.spread = spot->outer_angle;  // even within its cone
+  } else {
+    e.bounds.grow(std::get<PointLight>(kind).position);
+  }
+  return e;
+}
+
+void LightSampler::make_choice() {
+  constexpr std::uint32_t none = 0xFFFFFFFFU;
+  part_of_light_.assign(lights_.size(), none);
+  part_of_triangle_.resize(lights_.size());
+  std::vector<LightTree::Emitter> emitters;
+  double far_power = 0, all_power = 0;
+  for (std::uint32_t i = 0; i < lights_.size(); ++i) {
+    const Source& source = lights_[i];
+    all_power += source.power;
+    const bool placeless =
+        source.kind == Kind::environment ||
+        (source.kind == Kind::punctual && std::holds_alternative<DirectionalLight>(scene_->lights[source.index].kind));
+    if (placeless) {
+      far_.push_back(i);
+      far_power += source.power;
+      far_cdf_.push_back(far_power);
+      continue;
+    }
+    part_of_light_[i] = static_cast<std::uint32_t>(parts_.size());
+    if (source.kind == Kind::mesh) {
+      part_of_triangle_[i].assign(scene_->meshes[scene_->instances[source.index].mesh].triangles.size(), none);
+    }
+    for (std::uint32_t t = 0; t < std::max<std::size_t>(1, source.triangles.size()); ++t) {
+      if (source.kind == Kind::mesh) {
+        part_of_triangle_[i][source.triangles[t]] = static_cast<std::uint32_t>(parts_.size());
+      }
+      parts_.push_back({i, t});
+      emitters.push_back(emitter(source, t));
+    }
+  }
+  tree_ = LightTree(emitters);
+  far_chance_ = all_power > 0 ? far_power / all_power : 0;
+  for (double& c : far_cdf_) c /= all_power;
 }
 
 std::optional<LightSample> LightSampler::sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u,
@@ -238,11 +305,23 @@ std::optional<LightSample> LightSampler::sample_middle(std::size_t light, const 
 
 std::optional<LightSample> LightSampler::sample(const SurfacePoint& from, double u_light, const Vec2d& u,
                                                 const Vec3d& facing) const {
-  if (lights_.empty()) return std::nullopt;
-  const std::size_t light = find_cell(choice_cdf_, u_light);
-  auto s = sample_light(light, from, u, facing);
+  std::optional<LightSample> s;
+  double chance = 0;
+  if (u_light < far_chance_) {
+    const auto at = static_cast<std::size_t>(
+        std::min(std::upper_bound(far_cdf_.begin(), far_cdf_.end(), u_light), far_cdf_.end() - 1) - far_cdf_.begin());
+    chance = far_cdf_[at] - (at > 0 ? far_cdf_[at - 1] : 0);
+    s = sample_light(far_[at], from, u, facing);
+  } else {
+    const auto choice = tree_.choose(from.position, facing, (u_light - far_chance_) / (1 - far_chance_));
+    if (!choice) return std::nullopt;
+    chance = (1 - far_chance_) * choice->chance;
+    const Part& part = parts_[choice->emitter];
+    const Source& source = lights_[part.light];
+    s = source.kind == Kind::mesh ? sample_triangle_of(source, part.number, 1, from, u)
+                                  : sample_light(part.light, from, u, facing);
+  }
   if (!s) return s;
-  const double chance = choice_cdf_[light + 1] - choice_cdf_[light];
   if (s->pdf > 0) {
     s->pdf *= chance;
   } else {
@@ -301,9 +380,14 @@ std::optional<LightSample> LightSampler::sample_mesh(const Source& source, const
   const std::size_t cell = find_cell(source.cdf, u.x);
   const double chance = source.cdf[cell + 1] - source.cdf[cell];
   u.x = std::clamp((u.x - source.cdf[cell]) / chance, 0.0, 1.0);  // the part of u left over is uniform again
+  return sample_triangle_of(source, cell, chance, from, u);
+}
+
+std::optional<LightSample> LightSampler::sample_triangle_of(const Source& source, std::size_t part, double chance,
+                                                            const SurfacePoint& from, const Vec2d& u) const {
   const Instance& instance = scene_->instances[source.index];
   const Mesh& mesh = scene_->meshes[instance.mesh];
-  const std::uint32_t number = source.triangles[cell];
+  const std::uint32_t number = source.triangles[part];
   const WorldTriangle triangle = world_triangle(instance, mesh, number);
   const Vec2d b = sample_triangle(u);
 
@@ -402,11 +486,15 @@ std::optional<LightSample> LightSampler::sample_environment(const SurfacePoint& 
   return s;
 }
 
-double LightSampler::pdf(const Vec3d& from, const SurfacePoint& light) const {
+double LightSampler::pdf(const Vec3d& from, const SurfacePoint& light, const Vec3d& facing) const {
   const std::uint32_t number = light_of_object_[light.object];
   if (number == no_light) return 0;
-  const double chance = choice_cdf_[number + 1] - choice_cdf_[number];
-  if (lights_[number].kind == Kind::shape) {
+  const Source& source = lights_[number];
+  const std::uint32_t part =
+      source.kind == Kind::mesh ? part_of_triangle_[number][light.primitive] : part_of_light_[number];
+  if (part >= parts_.size()) return 0;  // a triangle that does not shine
+  const double chance = (1 - far_chance_) * tree_.chance(part, from, facing);
+  if (source.kind == Kind::shape) {
     return chance * shape_pdf(scene_->shapes[light.object - scene_->instances.size()], from, light);
   }
   const Instance& instance = scene_->instances[light.object];
@@ -415,7 +503,7 @@ double LightSampler::pdf(const Vec3d& from, const SurfacePoint& light) const {
   const double distance2 = length_squared(way);
   const double cosine = std::abs(dot(light.geometric_normal, way)) / std::sqrt(distance2);
   if (!(area > 0) || !(cosine > 0)) return 0;
-  return chance * triangle_probability_[number][light.primitive] / area * distance2 / cosine;
+  return chance / area * distance2 / cosine;
 }
 
 double LightSampler::shape_pdf(const ShapeObject& object, const Vec3d& from, const SurfacePoint& light) const {
@@ -434,10 +522,10 @@ double LightSampler::shape_pdf(const ShapeObject& object, const Vec3d& from, con
 }
 
 double LightSampler::environment_pdf(const Vec3d& direction, const Vec3d& facing) const {
-  if (!environment_.lights_surfaces() || lights_.empty() || lights_.back().kind != Kind::environment) return 0;
-  const std::size_t last = lights_.size() - 1;
+  if (far_.empty() || lights_[far_.back()].kind != Kind::environment) return 0;
   const double density = by_cosine(facing) ? std::max(0.0, dot(facing, direction)) / pi : environment_.pdf(direction);
-  return (choice_cdf_[last + 1] - choice_cdf_[last]) * density;
+  const double chance = far_cdf_.back() - (far_cdf_.size() > 1 ? far_cdf_[far_cdf_.size() - 2] : 0);
+  return chance * density;
 }
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 
 #include "penumbra/tracing/hit.h"
 #include "penumbra/tracing/shading/environment_map.h"
+#include "penumbra/tracing/shading/light_tree.h"
 
 namespace penumbra {
 
@@ -23,7 +24,9 @@ struct LightSample {
 /// All lights of a scene, for shadow rays: punctual lights, emissive objects (each a light of its own) and the
 /// environment.
 ///
-/// Points on meshes are chosen in proportion to emitted power; spheres by the cone they fill (Shirley, Wang & Zimmerman
+/// One light chosen for all is chosen by a LightTree over triangles, shapes and punctual lights, according to what it
+/// may bring to the point; far lights and the environment are chosen by power. When the light is given, points on its
+/// mesh are chosen in proportion to emitted power. Spheres are sampled by the cone they fill (Shirley, Wang & Zimmerman
 /// 1996). Infinite planes that emit, and ambient light, are not in it.
 class LightSampler {
  public:
@@ -63,13 +66,13 @@ class LightSampler {
   /// Whether `sample_middle` can stand for a light: punctual ones, disks, spheres and flat meshes of few triangles.
   [[nodiscard]] bool has_middle(std::size_t light) const;
 
-  /// A direction towards a light chosen in proportion to its power; the pdf and the weight include the choice.
+  /// A direction towards a light chosen among all, as above; the pdf and the weight include the choice.
   [[nodiscard]] std::optional<LightSample> sample(const SurfacePoint& from, double u_light, const Vec2d& u,
                                                   const Vec3d& facing = Vec3d(0)) const;
 
   /// The density (1/sr) with which `sample` would choose the direction from `from` to the point `light` of an emissive
   /// object.
-  [[nodiscard]] double pdf(const Vec3d& from, const SurfacePoint& light) const;
+  [[nodiscard]] double pdf(const Vec3d& from, const SurfacePoint& light, const Vec3d& facing = Vec3d(0)) const;
   /// The density (1/sr) with which `sample` would choose a direction that leaves the scene.
   [[nodiscard]] double environment_pdf(const Vec3d& direction, const Vec3d& facing = Vec3d(0)) const;
 
@@ -83,10 +86,13 @@ class LightSampler {
   void add_shape(std::uint32_t object);
   void add_environment();
   [[nodiscard]] std::optional<Middle> flat_middle(const Source& source) const;
-  void finish_choice();
+  void make_choice();
+  [[nodiscard]] LightTree::Emitter emitter(const Source& source, std::size_t part) const;
 
   [[nodiscard]] std::optional<LightSample> sample_punctual(const Source& source, const SurfacePoint& from) const;
   [[nodiscard]] std::optional<LightSample> sample_mesh(const Source& source, const SurfacePoint& from, Vec2d u) const;
+  [[nodiscard]] std::optional<LightSample> sample_triangle_of(const Source& source, std::size_t part, double chance,
+                                                              const SurfacePoint& from, const Vec2d& u) const;
   [[nodiscard]] std::optional<LightSample> sample_shape(const Source& source, const SurfacePoint& from,
                                                         const Vec2d& u) const;
   [[nodiscard]] std::optional<LightSample> sample_environment(const SurfacePoint& from, const Vec2d& u,
@@ -101,9 +107,20 @@ class LightSampler {
   Rgb ambient_{0};
   double scene_radius_ = 1;
   std::vector<Source> lights_;
-  std::vector<double> choice_cdf_;
-  std::vector<std::uint32_t> light_of_object_;            ///< into lights_, or none
-  std::vector<std::vector<float>> triangle_probability_;  ///< by light: chance of each triangle of the mesh
+  std::vector<std::uint32_t> light_of_object_;  ///< into lights_, or none
+
+  // Among which lights one is chosen: those at a place, as parts of them, and those without.
+  struct Part {
+    std::uint32_t light;   ///< into lights_
+    std::uint32_t number;  ///< of a mesh: into its triangles
+  };
+  LightTree tree_;
+  std::vector<Part> parts_;                                   ///< the tree's emitters
+  std::vector<std::vector<std::uint32_t>> part_of_triangle_;  ///< by light: of each triangle of the mesh
+  std::vector<std::uint32_t> part_of_light_;                  ///< of what is no mesh
+  std::vector<std::uint32_t> far_;                            ///< lights without a place
+  std::vector<double> far_cdf_;                               ///< chances of theirs, from 0 to far_chance_
+  double far_chance_ = 0;
 };
 
 /// Whether an emissive point sends light towards `direction` (unit, away from it), by the rule of sides: from the
