@@ -26,7 +26,9 @@ class Sheet {
  public:
   Sheet(const RayTree& tree, double far) : far_(far) {
     Vec3d lost(0);
-    for (const TreeRay& ray : tree.rays) lost += glm::abs(end_of(ray) - ray.origin);
+    for (const TreeRay& ray : tree.rays) {
+      lost += std::sqrt(static_cast<double>(luminance(ray.weight))) * glm::abs(end_of(ray) - ray.origin);
+    }
     // The axis looked along, and those that run right and up: a map from above, a front or a side view.
     axis_ = lost.y <= std::min(lost.x, lost.z) ? 1 : lost.z <= lost.x ? 2 : 0;
     right_ = axis_ == 0 ? 2 : 0;
@@ -210,7 +212,7 @@ std::string tree_as_svg(const RayTree& tree, const Scene& scene, const std::stri
   for (std::string line; std::getline(lines, line); y += text_height) {
     const std::size_t indent = line.find_first_not_of(' ');
     const auto number = static_cast<std::size_t>(std::stoul(line.substr(indent)));
-    list += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>\n", 12 + 9 * indent, y,
+    list += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\" font-size=\"11\">{}</text>\n", 12 + 9 * indent, y,
                         colour_of(tree.rays[number]), escaped(line.substr(indent)));
   }
   return fmt::format(

@@ -7,6 +7,7 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/image_io.h"
 #include "penumbra/io/scene_reader.h"
+#include "penumbra/scene/energy.h"
 #include "penumbra/scene/lit.h"
 
 namespace penumbra::cli {
@@ -61,6 +62,21 @@ Environment make_environment(const std::string& argument, Scene& scene) {
   return {.radiance = Rgb(radiance), .image = std::nullopt};
 }
 
+void keep_energy(const SceneOptions& options, Scene& scene, std::vector<std::string>& warnings) {
+  const std::vector<std::uint32_t> beyond = materials_beyond_energy(scene);
+  if (beyond.empty()) return;
+  const SentOn sent = sent_on(scene.materials[beyond.front()]);
+  const std::string more = beyond.size() > 1 ? fmt::format(" (and {} more materials do)", beyond.size() - 1) : "";
+  const std::string excess = fmt::format(
+      "{} reflects {:.3g} % and transmits {:.3g} %, which makes {:.4g} % of the light that arrives{}",
+      material_label(scene, beyond.front()), 100 * sent.reflected, 100 * sent.transmitted, 100 * sent.sum(), more);
+  if (!options.fix_energy) {
+    throw FileError(options.source, "", excess + "; lower its colours, or let --fix-energy scale them");
+  }
+  fix_energy(scene);
+  warnings.push_back(fmt::format("{}: {}; scaled to 100 %", options.source, excess));
+}
+
 }  // namespace
 
 void check(const SceneOptions& options) {
@@ -94,6 +110,9 @@ void add_scene_options(OptionParser& parser, SceneOptions& options) {
   parser.value("--sides", "both|front",
                "which sides of surfaces reflect; with front, backs are black and opaque (default: both)",
                [&](const OptionValue& v) { options.front_sides_only = choice<bool>(v, sides); });
+  parser.flag("--fix-energy",
+              "scale materials that would reflect and transmit more light than arrives (default: they are refused)",
+              options.fix_energy);
   parser.flag("--photometric",
               "the file's emission is in nit: divide it by 683 lm/W (default: it is radiance in W/(m^2 sr))",
               options.photometric);
@@ -103,6 +122,7 @@ Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings
   LoadedScene loaded = read_scene(options.source, options.unit.value_or(1.0));
   Scene scene = std::move(loaded.scene);
   warnings.insert(warnings.end(), loaded.warnings.begin(), loaded.warnings.end());
+  keep_energy(options, scene, warnings);
   const bool lit = is_lit(scene);  // judged by the file's own numbers, whatever their unit
   if (options.photometric) {
     constexpr float lumens_per_watt = 683;  // CIE: the luminous efficacy K_cd, lm/W

@@ -16,6 +16,7 @@ struct SceneOptions {
   std::optional<std::string> environment;  ///< "R,G,B" or a picture's path
   bool front_sides_only = false;
   bool photometric = false;
+  bool fix_energy = false;  ///< scale materials that would send on more light than arrives
 };
 
 /// Adds SCENE and its options. `options` must outlive `parser`'s last parse.
@@ -27,7 +28,8 @@ void add_scene_source(OptionParser& parser, SceneOptions& options);
 /// Throws UsageError when an option does not fit the scene's format.
 void check(const SceneOptions& options);
 
-/// Reads the scene, turns photometric emission into radiance, and sets its environment; a scene without any light
+/// Reads the scene, turns photometric emission into radiance, and sets its environment; materials that reflect and
+/// transmit more than arrives are refused or, when asked, scaled, with a warning; a scene without any light
 /// (see `is_lit`) gets a white one, with a warning. Throws FileError, UsageError, std::invalid_argument.
 [[nodiscard]] Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings);
 

@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "penumbra/math/transform.h"
+#include "penumbra/scene/energy.h"
 #include "penumbra/scene/lit.h"
 
 namespace penumbra {
 namespace {
 
-constexpr float rounding = 1e-4F;         // of a reflectance in a file
 constexpr double flat = 1e-9;             // twice the area over the longest edge squared
 constexpr double least_size = 0.01;       // m
 constexpr double greatest_size = 20'000;  // m
@@ -21,24 +21,14 @@ std::string label(std::string_view kind, std::size_t index, const std::string& n
   return name.empty() ? fmt::format("{} {}", kind, index + 1) : fmt::format("{} \"{}\"", kind, name);
 }
 
-/// The largest share of light that a material sends on in any band. The metallic, dielectric and transmitting parts
-/// share the base colour; an ideal mirror comes on top.
-float sent_on(const Material& m) {
-  const Rgb second = m.checker_colour.value_or(Rgb(0));
-  return max_component(glm::max(m.base_colour, second) + m.mirror);
-}
-
 void judge_materials(const Scene& scene, std::vector<Finding>& found) {
-  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    const Material& m = scene.materials[i];
-    const float most = sent_on(m);
-    if (m.unlit || most <= 1 + rounding) continue;
+  for (const std::uint32_t i : materials_beyond_energy(scene)) {
     found.push_back({.kind = FindingKind::reflectance,
                      .sentence = fmt::format("{} reflects and transmits {:.3g} times the light that it receives; "
                                              "reflectance and transmittance together are at most 1 in each band",
-                                             label("material", i, m.name), most),
+                                             material_label(scene, i), sent_on(scene.materials[i]).sum()),
                      .position = scene.bounds().empty() ? Vec3d(0) : scene.bounds().centre(),
-                     .object = m.name});
+                     .object = scene.materials[i].name});
   }
 }
 
