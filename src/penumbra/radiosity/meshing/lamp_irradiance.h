@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "penumbra/math/bounds.h"
@@ -40,6 +41,9 @@ class LampIrradiance {
   LampIrradiance(const Scene& scene, const PatchMesh& faces, std::size_t most_lamps = 16);
 
   [[nodiscard]] std::span<const Lamp> lamps() const { return lamps_; }
+  /// Other lamps instead: patches of the faces or parts of them that send out light at the moment, and those of before.
+  /// Not while a View is in use.
+  void set_lamps(std::vector<Lamp> lamps) { lamps_ = std::move(lamps); }
   [[nodiscard]] const PatchMesh& faces() const { return faces_; }
   /// Triangles of the faces, and the patch that each is a part of.
   [[nodiscard]] const RayTracer& tracer() const { return *tracer_; }
