@@ -152,6 +152,8 @@ class GltfWriter {
     for (const auto& [name, text] : notes) root_["scenes"][0]["extras"]["penumbra"]["baked"][name] = text;
   }
 
+  void set_lightmap(const std::optional<GltfLightmap>& lightmap) { lightmap_ = lightmap; }
+
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::move(warnings_); }
 
  private:
@@ -270,6 +272,10 @@ class GltfWriter {
     if (m.double_sided) json["doubleSided"] = true;
     if (m.unlit) extension(json, "KHR_materials_unlit");
     add_interface(json, m);
+    if (lightmap_) {
+      extension(json, "MOZ_lightmap") = {
+          {"index", lightmap_->texture}, {"texCoord", lightmap_->uv_set}, {"intensity", lightmap_->strength}};
+    }
     add_material_extras(json, m);
     return json;
   }
@@ -556,6 +562,7 @@ class GltfWriter {
 
   const Scene& scene_;
   PlaneCut plane_cut_;
+  std::optional<GltfLightmap> lightmap_;
   Json root_;
   GlbBinary binary_;
   Json lights_ = Json::array();
@@ -571,10 +578,12 @@ class GltfWriter {
 }  // namespace
 
 std::vector<std::string> write_glb(const std::filesystem::path& path, const Scene& scene,
-                                   const std::map<std::string, std::string>& notes) {
+                                   const std::map<std::string, std::string>& notes,
+                                   const std::optional<GltfLightmap>& lightmap) {
   validate(scene);
   GltfWriter writer(scene);
   writer.add_notes(notes);
+  writer.set_lightmap(lightmap);
   writer.write(path);
   return writer.take_warnings();
 }
