@@ -220,6 +220,31 @@ TEST(LightmapAtlas, ValidCoordinatesOfTheInputAreKept) {
   EXPECT_FALSE(make_lightmap_atlas(scene_of({mesh}), {.size = 64}).from_input);
 }
 
+TEST(LightmapAtlas, TexturesThatReadTheSecondSetFindItInTheFirst) {
+  Mesh mesh;
+  mesh.name = "two";
+  add_rectangle(mesh, Vec3d(0), {1, 0, 0}, {0, 1, 0});
+  mesh.materials = {0, 1};  // they share two vertices
+  mesh.uv[0] = {{1, 1}, {2, 2}, {3, 3}, {4, 4}};
+  mesh.uv[1] = {{5, 5}, {6, 6}, {7, 7}, {8, 8}};
+  Scene scene = scene_of({mesh});
+  scene.materials.push_back(scene.materials[0]);
+  scene.images.push_back({.name = "", .width = 1, .height = 1, .channels = 1, .texels = std::vector<std::uint8_t>{9}});
+  scene.textures.emplace_back();
+  scene.materials[0].base_colour_texture = TextureRef{.texture = 0, .uv_set = 0};
+  scene.materials[1].base_colour_texture = TextureRef{.texture = 0, .uv_set = 1};
+  const LightmapAtlas atlas = make_lightmap_atlas(scene, {.size = 64});
+  EXPECT_EQ(atlas.scene.materials[1].base_colour_texture->uv_set, 0U);
+  const Mesh& after = atlas.scene.meshes[0];
+  for (std::size_t t = 0; t < 2; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(after.uv[0][after.triangles[t][k]], mesh.uv[t][mesh.triangles[t][k]]);
+    }
+  }
+  scene.materials[1].emission_texture = TextureRef{.texture = 0, .uv_set = 0};
+  EXPECT_THROW((void)make_lightmap_atlas(scene, {.size = 64}), std::invalid_argument);
+}
+
 TEST(LightmapAtlas, TrianglesWithoutAnAreaAreKept) {
   Mesh mesh;
   mesh.name = "with specks";

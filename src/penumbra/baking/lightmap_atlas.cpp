@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -216,9 +219,51 @@ class VertexCopies {
   std::vector<std::uint32_t> chart_, next_, source_;
 };
 
+std::array<std::optional<TextureRef>*, 7> texture_refs(Material& m) {
+  return {&m.base_colour_texture,  &m.metallic_roughness_texture, &m.normal_texture,         &m.emission_texture,
+          &m.transmission_texture, &m.specular_texture,           &m.specular_colour_texture};
+}
+
+/// The atlas takes the second set of texture coordinates: materials that read it are told to read the first. Returns
+/// by material whether it was one.
+std::vector<std::uint8_t> free_second_set(Scene& scene) {
+  std::vector<std::uint8_t> moved(scene.materials.size(), 0);
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    Material& m = scene.materials[i];
+    bool first = false, second = false;
+    for (std::optional<TextureRef>* ref : texture_refs(m)) {
+      if (ref->has_value()) ((*ref)->uv_set == 0 ? first : second) = true;
+    }
+    if (first && second) {
+      throw std::invalid_argument(
+          fmt::format("material '{}' reads both TEXCOORD_0 and TEXCOORD_1, which leaves none for "
+                      "a lightmap; let its textures share one set",
+                      m.name));
+    }
+    if (!second) continue;
+    moved[i] = 1;
+    for (std::optional<TextureRef>* ref : texture_refs(m)) {
+      if (ref->has_value()) (*ref)->uv_set = 0;
+    }
+  }
+  return moved;
+}
+
+/// Vertices of one material each: those of materials that read the second set have it as their first.
+void move_second_set(Mesh& mesh, const std::vector<std::uint8_t>& moved) {
+  if (mesh.uv[1].empty() || std::ranges::none_of(mesh.materials, [&](std::uint32_t m) { return moved[m] != 0; }))
+    return;
+  mesh.uv[0].resize(mesh.positions.size(), Vec2f(0));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (moved[mesh.material_of(t)] == 0) continue;
+    for (const std::uint32_t v : mesh.triangles[t]) mesh.uv[0][v] = mesh.uv[1][v];
+  }
+}
+
 /// Writes the places of the charts into uv[1]; vertices of several charts are doubled.
-void place_corners(Mesh& mesh, const Mat4d& to_world, std::span<const std::uint32_t> chart_of,
-                   const std::vector<ChartPlane>& planes, const LightmapAtlas& atlas) {
+void place_corners(Mesh& mesh, const std::vector<std::uint8_t>& moved, const Mat4d& to_world,
+                   std::span<const std::uint32_t> chart_of, const std::vector<ChartPlane>& planes,
+                   const LightmapAtlas& atlas) {
   VertexCopies copies(mesh.positions.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::uint32_t& v : mesh.triangles[t]) v = copies.of(v, chart_of[t]);
@@ -227,7 +272,9 @@ void place_corners(Mesh& mesh, const Mat4d& to_world, std::span<const std::uint3
   copies.append(mesh.normals);
   copies.append(mesh.tangents);
   copies.append(mesh.uv[0]);
+  copies.append(mesh.uv[1]);
   copies.append(mesh.colours);
+  move_second_set(mesh, moved);
   mesh.uv[1].assign(copies.count(), Vec2f(0));
   for (std::size_t v = 0; v < copies.count(); ++v) {
     if (copies.chart(v) == VertexCopies::none) continue;
@@ -249,6 +296,7 @@ LightmapAtlas make_lightmap_atlas(Scene scene, const AtlasOptions& options) {
   scene = with_own_meshes(std::move(scene));
   if (options.keep_input && !lightmap_uv_fault(scene)) return atlas_of_input(std::move(scene), options);
 
+  const std::vector<std::uint8_t> moved = free_second_set(scene);
   double angle = options.chart_angle;
   Unfolding unfolding = unfold(scene, angle);
   while (2 * angle <= options.widest_chart_angle && angle > 0 && mostly_padding(unfolding, options)) {
@@ -271,7 +319,7 @@ LightmapAtlas make_lightmap_atlas(Scene scene, const AtlasOptions& options) {
     const auto chart_of =
         std::span<const std::uint32_t>(unfolding.chart_of_triangle)
             .subspan(unfolding.first_triangle[i], unfolding.first_triangle[i + 1] - unfolding.first_triangle[i]);
-    place_corners(atlas.scene.meshes[i], atlas.scene.instances[i].to_world, chart_of, unfolding.planes, atlas);
+    place_corners(atlas.scene.meshes[i], moved, atlas.scene.instances[i].to_world, chart_of, unfolding.planes, atlas);
   }
   atlas.first_triangle = std::move(unfolding.first_triangle);
   atlas.chart_of_triangle = std::move(unfolding.chart_of_triangle);

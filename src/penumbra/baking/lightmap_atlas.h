@@ -27,8 +27,9 @@ struct Chart {
 /// A scene unfolded for a lightmap: every instance has a mesh of its own, whose uv[1] is its place in the atlas (0..1,
 /// v downwards). Triangles are those of the input, in number, order and place; vertices are doubled at chart borders
 /// only. A chart is of one object and one material. Its rectangle is the smallest around it, scaled so that its sides
-/// are whole texels: at most half a texel off the density, and borders of rectangles lie on borders of texels. Fronts
-/// and backs of a face share their texels: they are the front's.
+/// are whole texels: at most half a texel off the density, and borders of rectangles lie on borders of texels. Textures
+/// that read TEXCOORD_1 find their coordinates in TEXCOORD_0. Fronts and backs of a face share their texels: they are
+/// the front's.
 struct LightmapAtlas {
   Scene scene;
   int width = 0, height = 0;    ///< texels
@@ -40,7 +41,7 @@ struct LightmapAtlas {
 };
 
 /// @pre the scene has no exact shapes (see tessellated()). Throws std::invalid_argument when the charts do not fit
-/// the size, or an option is out of range.
+/// the size, an option is out of range, or a material's textures read both sets of coordinates.
 [[nodiscard]] LightmapAtlas make_lightmap_atlas(Scene scene, const AtlasOptions& options = {});
 
 }  // namespace penumbra
