@@ -21,13 +21,13 @@ constexpr double darkest = 0.05;
 /// Sixteen texels on their way to the noise aimed at.
 class Group {
  public:
-  Group(const TexelRays& rays, const SamplePoints& points, const LightCells& cells,
-        std::span<const std::uint32_t> texels, const FinalGatherOptions& options)
+  Group(const TexelRays& rays, const LightCells& cells, std::span<const std::uint32_t> texels,
+        const FinalGatherOptions& options)
       : rays_(rays), cells_(cells), texels_(texels), key_(hash_key(options.seed, 4, texels[0])), outlook_(key_) {
     for (std::size_t lane = 0; lane < texels.size(); ++lane) {
       if (cells.is_buried(texels[lane])) continue;
-      const Place place = points[texels[lane]];
-      outlook_.set(static_cast<int>(lane), rays.lifted(place.position, place.normal), place.shading, place.normal,
+      const Place place = rays.points()[texels[lane]];
+      outlook_.set(static_cast<int>(lane), rays.points().lifted(place), place.shading, place.normal,
                    hash_key(options.seed, 5, texels[lane]));
       ++used_;
     }
@@ -107,9 +107,9 @@ NoiseSurfaces make_noise_surfaces(const TexelMap& map, const LightCells& cells) 
   return surfaces;
 }
 
-GatheredLight final_gather(const TexelRays& rays, const SamplePoints& points, const LightCells& cells,
-                           const NoiseSurfaces& surfaces, std::span<const std::uint32_t> order,
-                           const FinalGatherOptions& options, const Progress& progress) {
+GatheredLight final_gather(const TexelRays& rays, const LightCells& cells, const NoiseSurfaces& surfaces,
+                           std::span<const std::uint32_t> order, const FinalGatherOptions& options,
+                           const Progress& progress) {
   const std::size_t count = order.size(), groups = (count + lanes - 1) / lanes;
   GatheredLight result;
   result.irradiance.assign(3 * count, 0);
@@ -117,7 +117,7 @@ GatheredLight final_gather(const TexelRays& rays, const SamplePoints& points, co
   std::vector<std::uint32_t> spent(groups, 0);
   const auto gather_group = [&](std::size_t g) {
     const auto texels = order.subspan(g * lanes, std::min<std::size_t>(lanes, count - g * lanes));
-    Group group(rays, points, cells, texels, options);
+    Group group(rays, cells, texels, options);
     if (group.used() == 0) return;
     const std::uint32_t start = options.fewest_rays / 2;
     group.trace(0, start);

@@ -33,8 +33,8 @@ struct GatheredLight {
 
 /// Gathers light from the solved cells by rays from every texel that is not buried; in groups of sixteen neighbours,
 /// twice as many rays until the group's two half sets agree as well as the noise asks for, or the rays are spent.
-[[nodiscard]] GatheredLight final_gather(const TexelRays& rays, const SamplePoints& points, const LightCells& cells,
-                                         const NoiseSurfaces& surfaces, std::span<const std::uint32_t> order,
-                                         const FinalGatherOptions& options, const Progress& progress);
+[[nodiscard]] GatheredLight final_gather(const TexelRays& rays, const LightCells& cells, const NoiseSurfaces& surfaces,
+                                         std::span<const std::uint32_t> order, const FinalGatherOptions& options,
+                                         const Progress& progress);
 
 }  // namespace penumbra

@@ -20,10 +20,10 @@ float brightness(const Vec4f& v) { return std::max({v.x, v.y, v.z}); }
 
 }  // namespace
 
-LightCells::LightCells(const TexelRays& rays, const AtlasSpace& space, const SamplePoints& points,
-                       const StraightLight& straight, std::span<const std::uint32_t> order,
-                       std::span<const float> direct, const Options& options, const Progress& progress)
-    : rays_(rays), space_(space), points_(points), straight_(straight), order_(order), options_(options) {
+LightCells::LightCells(const TexelRays& rays, const AtlasSpace& space, const StraightLight& straight,
+                       std::span<const std::uint32_t> order, std::span<const float> direct, const Options& options,
+                       const Progress& progress)
+    : rays_(rays), space_(space), points_(rays.points()), straight_(straight), order_(order), options_(options) {
   divide(options.most_cells);
   paint(direct);
   trace(0);
@@ -108,8 +108,8 @@ void LightCells::trace(std::size_t first_row) {
           const std::uint32_t texel = texels[k % texels.size()];
           Place place = points_[texel];
           if (r >= back_of_cell_.size()) place = place.reversed();
-          outlook.set(static_cast<int>(r - begin), rays_.lifted(place.position, place.normal), place.shading,
-                      place.normal, hash_key(options_.seed, 2, r));
+          outlook.set(static_cast<int>(r - begin), points_.lifted(place), place.shading, place.normal,
+                      hash_key(options_.seed, 2, r));
         }
         outlook.rays(k, packet);
         rays_.trace(packet, hash_key(options_.seed, 3, begin, k), landings);

@@ -27,7 +27,7 @@ class LightCells {
 
   /// @param order texels_in_blocks(). @param direct straight light of each texel, [texel * 3 + band], W/m^2. All but
   /// `direct` must outlive this.
-  LightCells(const TexelRays& rays, const AtlasSpace& space, const SamplePoints& points, const StraightLight& straight,
+  LightCells(const TexelRays& rays, const AtlasSpace& space, const StraightLight& straight,
              std::span<const std::uint32_t> order, std::span<const float> direct, const Options& options,
              const Progress& progress);
 

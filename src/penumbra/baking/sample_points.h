@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "penumbra/baking/atlas_space.h"
-#include "penumbra/baking/texel_rays.h"
+#include "penumbra/baking/outlook.h"
+#include "penumbra/tracing/ray_tracer.h"
 
 namespace penumbra {
 
@@ -24,16 +25,26 @@ struct Place {
 /// then at the nearest free point of the texel.
 class SamplePoints {
  public:
-  /// @param order of the texels, for speed. All must outlive this.
-  SamplePoints(const TexelRays& rays, const AtlasSpace& space);
+  /// All must outlive this.
+  SamplePoints(const RayTracer& tracer, const TexelMap& map, const AtlasSpace& space);
 
   /// Of the front.
   [[nodiscard]] Place operator[](std::uint32_t texel) const;
   /// Whether all that sixteen rays from the texel, and from every other point of it, met at first were backs: inside
   /// solid matter, if no light comes there.
-  [[nodiscard]] bool is_enclosed(std::uint32_t texel) const { return enclosed_[texel] != 0; }
-  /// The same for any place.
-  [[nodiscard]] bool sees_only_backs(const Place& place) const;
+  [[nodiscard]] bool is_enclosed(std::uint32_t texel) const { return (flags_[texel] & enclosed) != 0; }
+  /// Whether something stands on the texel, so that parts of it lie on another side than its sample point.
+  [[nodiscard]] bool is_cut(std::uint32_t texel) const { return (flags_[texel] & cut) != 0; }
+  /// For a point of a cut texel: that texel, or one beside it, whose sample point is on the point's side of whatever
+  /// stands there.
+  [[nodiscard]] std::uint32_t on_side_of(const Place& point, std::uint32_t texel) const;
+  /// Whether nothing stands between two places on a surface near each other.
+  [[nodiscard]] bool are_on_one_side(const Place& a, const Place& b) const;
+
+  /// Pushed off the surface, so that a ray does not meet it again.
+  [[nodiscard]] Vec3d lifted(const Place& place) const;
+  [[nodiscard]] const TexelMap& map() const { return map_; }
+  [[nodiscard]] const RayTracer& tracer() const { return tracer_; }
 
  private:
   struct Moved {
@@ -41,14 +52,20 @@ class SamplePoints {
     Place place;
     bool enclosed;
   };
+  static constexpr std::uint8_t enclosed = 1, cut = 2;
+  [[nodiscard]] bool sees_only_backs(const Place& place) const;
+  [[nodiscard]] Place own(std::uint32_t texel) const;
+  [[nodiscard]] bool has_something_on_it(std::uint32_t texel) const;
   [[nodiscard]] std::optional<Moved> examine(std::uint32_t texel, const AtlasSpace& space) const;
   [[nodiscard]] bool stands_in_wall(std::uint32_t texel) const;
   [[nodiscard]] std::optional<Place> nearest_free(std::uint32_t texel, const AtlasSpace& space) const;
 
-  const TexelRays& rays_;
+  const RayTracer& tracer_;
+  const TexelMap& map_;
   const Texels& texels_;
+  double rounding_ = 0;
   std::unordered_map<std::uint32_t, Place> moved_;
-  std::vector<std::uint8_t> enclosed_;
+  std::vector<std::uint8_t> flags_;
 };
 
 }  // namespace penumbra

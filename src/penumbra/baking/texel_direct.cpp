@@ -57,19 +57,16 @@ class DirectLight {
     for (int k = 0; k < across * across; ++k) {
       const Vec2d offset((k % across + 0.5) / across - 0.5, (k / across + 0.5) / across - 0.5);
       const auto p = space_.at(space_.middle(texel) + offset, map_.chart(texel));
-      if (p) places.push_back({p->position, p->geometric_normal, p->shading_normal});
+      if (!p) continue;
+      const Place place{p->position, p->geometric_normal, p->shading_normal};
+      if (points_.are_on_one_side(points_[texel], place)) places.push_back(place);
     }
     if (places.empty()) return of(texel);
     std::vector<Vec3d> found(places.size());
     straight_.at(places, map_.texels().footprints[texel], found);
     Vec3d sum(0);
-    double count = 0;
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      if (found[k] == Vec3d(0) && points_.sees_only_backs(places[k])) continue;
-      sum += found[k];
-      count += 1;
-    }
-    return count > 0 ? Rgb(sum / count) : of(texel);
+    for (const Vec3d& light : found) sum += light;
+    return Rgb(sum / static_cast<double>(places.size()));
   }
 
   [[nodiscard]] Rgb of(std::uint32_t texel) const {

@@ -101,19 +101,19 @@ TexelLight bake_texel_light(const LightmapAtlas& atlas, const Texels& texels, co
   const TexelMap map(atlas, texels);
   const AtlasSpace space(map, tracer);
   const StraightLight straight(atlas, options.front_sides_only);
-  const TexelRays rays(tracer, map, straight.lamps());
   const std::vector<std::uint32_t> order = texels_in_blocks(map);
-  const SamplePoints points(rays, space);
+  const SamplePoints points(tracer, map, space);
+  const TexelRays rays(points, straight.lamps());
   light.direct = direct_light_of_texels(straight, points, space, map, order, progress);
 
   progress.tell("interreflection", 0);
-  LightCells cells(rays, space, points, straight, order, light.direct,
+  LightCells cells(rays, space, straight, order, light.direct,
                    {.front_sides_only = options.front_sides_only, .seed = options.seed}, progress);
   light.iterations = cells.solve(progress);
   progress.tell("interreflection", 1);
 
   const NoiseSurfaces surfaces = make_noise_surfaces(map, cells);
-  GatheredLight gathered = final_gather(rays, points, cells, surfaces, order,
+  GatheredLight gathered = final_gather(rays, cells, surfaces, order,
                                         {.noise = options.noise,
                                          .fewest_rays = static_cast<std::uint32_t>(options.fewest_rays),
                                          .most_rays = static_cast<std::uint32_t>(options.most_rays),

@@ -51,9 +51,13 @@ Rgb diffuse_albedo(SurfaceMaterial m, const Vec3d& geometric_normal) {
 
 }  // namespace
 
-TexelRays::TexelRays(const RayTracer& tracer, const TexelMap& map, const StraightLamps& lamps)
-    : tracer_(tracer), map_(map), lamps_(lamps), environment_(map.atlas().scene) {
-  const LightmapAtlas& atlas = map.atlas();
+TexelRays::TexelRays(const SamplePoints& points, const StraightLamps& lamps)
+    : points_(points),
+      tracer_(points.tracer()),
+      map_(points.map()),
+      lamps_(lamps),
+      environment_(points.map().atlas().scene) {
+  const LightmapAtlas& atlas = map_.atlas();
   is_special_.resize(atlas.first_triangle.back());
   for (std::size_t i = 0; i + 1 < atlas.first_triangle.size(); ++i) {
     const Mesh& mesh = atlas.scene.meshes[atlas.scene.instances[i].mesh];
@@ -62,12 +66,15 @@ TexelRays::TexelRays(const RayTracer& tracer, const TexelMap& map, const Straigh
           does_more_than_reflect_diffusely(atlas.scene.materials[mesh.material_of(t - atlas.first_triangle[i])]);
     }
   }
-  const Bounds all = tracer.bounds();
-  if (!all.empty()) rounding_ = float_error * std::max(largest_component(all.lower), largest_component(all.upper));
 }
 
-Vec3d TexelRays::lifted(const Vec3d& position, const Vec3d& normal) const {
-  return position + rounding_ * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)) * normal;
+std::uint32_t TexelRays::texel_at(const Hit& hit, std::uint32_t triangle, bool back) const {
+  const std::uint32_t texel =
+      map_.at(triangle, static_cast<float>(hit.barycentric.x), static_cast<float>(hit.barycentric.y));
+  if (texel == TexelMap::none || !points_.is_cut(texel)) return texel;
+  const SurfacePoint p = tracer_.surface_point({}, hit);
+  const Place place{p.position, p.geometric_normal, p.shading_normal};
+  return points_.on_side_of(back ? place.reversed() : place, texel);
 }
 
 Rgb TexelRays::sky(const Vec3d& direction) const {
@@ -96,8 +103,10 @@ void TexelRays::trace(const RayPacket& rays, std::uint64_t key, Landing (&landin
     }
     const float side = rays.direction_x[i] * hits.normal_x[i] + rays.direction_y[i] * hits.normal_y[i] +
                        rays.direction_z[i] * hits.normal_z[i];
-    const std::uint32_t texel = map_.at(triangle, hits.u[i], hits.v[i]);
-    if (texel != TexelMap::none) landing.side = 2 * texel + (side > 0 ? 1U : 0U);
+    const bool back = side > 0;
+    const Hit hit{hits.t[i], hits.object[i], hits.primitive[i], {hits.u[i], hits.v[i]}};
+    const std::uint32_t texel = texel_at(hit, triangle, back);
+    if (texel != TexelMap::none) landing.side = 2 * texel + (back ? 1U : 0U);
   }
 }
 
@@ -127,8 +136,7 @@ Landing TexelRays::follow(Ray ray, Hit hit, std::uint64_t key) const {
     if (chosen(shares.pass)) {
       ray = leave(p, ray.direction);
     } else if (is_special_[triangle] == 0 || chosen(shares.diffuse)) {
-      const std::uint32_t texel =
-          map_.at(triangle, static_cast<float>(hit.barycentric.x), static_cast<float>(hit.barycentric.y));
+      const std::uint32_t texel = texel_at(hit, triangle, back);
       if (is_special_[triangle] != 0) landing.weight *= m.alpha / shares.diffuse;
       if (texel != TexelMap::none) landing.side = 2 * texel + (back ? 1U : 0U);
       // Straight light does not go by mirrors.

@@ -3,8 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "penumbra/baking/outlook.h"
-#include "penumbra/baking/texel_map.h"
+#include "penumbra/baking/sample_points.h"
 #include "penumbra/math/spectrum.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/environment_map.h"
@@ -37,26 +36,26 @@ struct StraightLamps {
 class TexelRays {
  public:
   /// All must outlive this.
-  TexelRays(const RayTracer& tracer, const TexelMap& map, const StraightLamps& lamps);
+  TexelRays(const SamplePoints& points, const StraightLamps& lamps);
 
   /// Traces a packet. @param keys of the random choices of each lane for this ray.
   void trace(const RayPacket& rays, std::uint64_t key, Landing (&landings)[RayPacket::size]) const;
 
   [[nodiscard]] const TexelMap& map() const { return map_; }
-  [[nodiscard]] const RayTracer& tracer() const { return tracer_; }
-  /// Pushed off the surface to its front or back, so that a ray does not meet it again.
-  [[nodiscard]] Vec3d lifted(const Vec3d& position, const Vec3d& normal) const;
+  [[nodiscard]] const SamplePoints& points() const { return points_; }
 
  private:
   [[nodiscard]] Landing follow(Ray ray, Hit hit, std::uint64_t key) const;
   [[nodiscard]] Rgb sky(const Vec3d& direction) const;
 
+  [[nodiscard]] std::uint32_t texel_at(const Hit& hit, std::uint32_t triangle, bool back) const;
+
+  const SamplePoints& points_;
   const RayTracer& tracer_;
   const TexelMap& map_;
   const StraightLamps& lamps_;
   EnvironmentMap environment_;
   std::vector<std::uint8_t> is_special_;  // by triangle
-  double rounding_ = 0;
 };
 
 }  // namespace penumbra
