@@ -32,16 +32,25 @@ Snapshots::Snapshots(const BakeArguments& arguments, const Scene& scene, const R
     : arguments_(arguments),
       scene_(scene),
       setup_(setup),
-      view_(setup.mesh, std::vector<double>(3 * setup.mesh.surface_count(), 0.0), scene),
+      view_(make_view()),
+      shown_(setup.mesh.surface_count()),
       camera_(choose_camera(arguments.camera, RayTracer(scene), static_cast<double>(width) / height,
                             arguments.scene.source)),
       every_(arguments.snapshot_every.value_or(setup.solver == "shooting" ? shots_between : 1)) {}
+
+RadiosityView Snapshots::make_view() const {
+  return RadiosityView(setup_.mesh, std::vector<double>(3 * setup_.mesh.surface_count(), 0.0), scene_);
+}
 
 void Snapshots::take(const SolverStage& stage) {
   if (stage.iteration < next_) return;
   next_ = std::max(stage.iteration, next_) + every_;
   const std::vector<double> shown =
       stage.unshot.empty() ? stage.radiosity : with_ambient(setup_.problem, stage.radiosity, stage.unshot);
+  if (shown_ != setup_.mesh.surface_count()) {
+    view_ = make_view();
+    shown_ = setup_.mesh.surface_count();
+  }
   view_.relight(irradiance_for(setup_, shown));
   RenderOptions options;
   options.width = width;

@@ -19,12 +19,14 @@ class Snapshots {
   void take(const SolverStage& stage);
 
  private:
+  [[nodiscard]] RadiosityView make_view() const;
   void write_mesh(const std::string& path, const std::vector<double>& radiosity) const;
 
   const BakeArguments& arguments_;
   const Scene& scene_;
   const RadiositySetup& setup_;
   RadiosityView view_;
+  std::size_t shown_;  ///< elements of the view; shooting may cut them as it goes
   Camera camera_;
   std::size_t every_;
   std::size_t next_ = 1;

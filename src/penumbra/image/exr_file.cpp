@@ -121,7 +121,7 @@ Image read_pixels(std::span<const std::byte> bytes, std::string_view name) {
   return image;
 }
 
-Imf::Header make_header(const Image& image) {
+Imf::Header make_header(const Image& image, Imf::PixelType type) {
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
   header.zipCompressionLevel() = 4;
@@ -129,7 +129,7 @@ Imf::Header make_header(const Image& image) {
     if (channel.empty() || header.channels().findChannel(channel) != nullptr) {
       throw std::invalid_argument("EXR channels need names of their own; \"" + channel + "\" is empty or comes twice");
     }
-    header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+    header.channels().insert(channel, Imf::Channel(type));
   }
   static const std::set<std::string> reserved{"type", "name", "view", "version", "chunkCount", "tiles"};
   for (const auto& [key, text] : image.metadata) {
@@ -157,10 +157,24 @@ Image decode_exr(std::span<const std::byte> bytes, std::string_view name) {
   }
 }
 
-std::vector<std::byte> encode_exr(const Image& image) {
+std::vector<std::byte> encode_exr(const Image& image, ExrDepth depth) {
   MemoryOutput stream;
-  {
-    Imf::OutputFile file(stream, make_header(image), 0);
+  if (depth == ExrDepth::half) {
+    constexpr float largest_half = 65504;
+    std::vector<half> narrow;
+    narrow.reserve(image.data.size());
+    for (const float x : image.data) narrow.emplace_back(std::clamp(x, -largest_half, largest_half));
+    Imf::OutputFile file(stream, make_header(image, Imf::HALF), 0);
+    Imf::FrameBuffer buffer;
+    const std::size_t pixel = image.channels.size() * sizeof(half);
+    for (std::size_t c = 0; c < image.channels.size(); ++c) {
+      buffer.insert(image.channels[c], Imf::Slice(Imf::HALF, reinterpret_cast<char*>(narrow.data() + c), pixel,
+                                                  pixel * static_cast<std::size_t>(image.width)));
+    }
+    file.setFrameBuffer(buffer);
+    file.writePixels(image.height);
+  } else {
+    Imf::OutputFile file(stream, make_header(image, Imf::FLOAT), 0);
     Image& source = const_cast<Image&>(image);  // Imf::Slice is for reading and writing alike
     file.setFrameBuffer(frame_buffer(source, 0, 0));
     file.writePixels(image.height);

@@ -13,8 +13,13 @@ namespace penumbra {
 /// rest by name; string attributes as metadata. Of a multi-part file, the first part. Throws FileError.
 [[nodiscard]] Image decode_exr(std::span<const std::byte> bytes, std::string_view name);
 
-/// Encodes every channel as 32-bit float, ZIP compressed, metadata as string attributes.
+enum class ExrDepth {
+  full,  ///< 32-bit float
+  half,  ///< 16-bit float: 11 bits of precision, up to 65504, where larger values are cut
+};
+
+/// Encodes every channel, ZIP compressed, metadata as string attributes.
 /// Throws std::invalid_argument when a metadata key is empty or one that OpenEXR needs itself, or channels repeat.
-[[nodiscard]] std::vector<std::byte> encode_exr(const Image& image);
+[[nodiscard]] std::vector<std::byte> encode_exr(const Image& image, ExrDepth depth = ExrDepth::full);
 
 }  // namespace penumbra

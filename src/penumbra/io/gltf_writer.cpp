@@ -18,9 +18,9 @@
 #include "penumbra/image/tonemap.h"
 #include "penumbra/io/glb_binary.h"
 #include "penumbra/io/gltf_light.h"
-#include "penumbra/io/shape_mesh.h"
 #include "penumbra/math/frame.h"
 #include "penumbra/math/transform.h"
+#include "penumbra/scene/shape_mesh.h"
 
 namespace penumbra {
 
@@ -129,7 +129,7 @@ std::optional<TextureTransform> decomposed(const Mat3f& m) {
 /// Writes one scene; the steps follow the file's own layout.
 class GltfWriter {
  public:
-  explicit GltfWriter(const Scene& scene) : scene_(scene) {
+  explicit GltfWriter(const Scene& scene) : scene_(scene), plane_cut_(plane_cut(scene)) {
     root_["asset"] = {{"version", "2.0"}, {"generator", "Penumbra"}};
     root_["scene"] = 0;
     root_["scenes"] = Json::array({Json::object()});
@@ -151,6 +151,8 @@ class GltfWriter {
   void add_notes(const std::map<std::string, std::string>& notes) {
     for (const auto& [name, text] : notes) root_["scenes"][0]["extras"]["penumbra"]["baked"][name] = text;
   }
+
+  void set_lightmap(const std::optional<GltfLightmap>& lightmap) { lightmap_ = lightmap; }
 
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::move(warnings_); }
 
@@ -270,6 +272,10 @@ class GltfWriter {
     if (m.double_sided) json["doubleSided"] = true;
     if (m.unlit) extension(json, "KHR_materials_unlit");
     add_interface(json, m);
+    if (lightmap_) {
+      extension(json, "MOZ_lightmap") = {
+          {"index", lightmap_->texture}, {"texCoord", lightmap_->uv_set}, {"intensity", lightmap_->strength}};
+    }
     add_material_extras(json, m);
     return json;
   }
@@ -389,9 +395,10 @@ class GltfWriter {
   }
 
   /// A shape's triangles are stored once; each material that wears them has a mesh of its own over the same accessors.
-  std::size_t shape_mesh(std::size_t kind, Mesh (*make)(), std::uint32_t material) {
+  std::size_t shape_mesh(const Shape& shape, std::uint32_t material) {
+    const std::size_t kind = shape.index();
     if (!shape_primitive_.contains(kind)) {
-      const Mesh mesh = make();
+      const Mesh mesh = unit_mesh(shape);
       shape_primitive_[kind] = json_of_primitive(mesh, primitives(mesh).front());
       shape_primitive_[kind]["name"] = mesh.name;
     }
@@ -413,31 +420,12 @@ class GltfWriter {
   }
 
   void add_shape(const ShapeObject& object) {
-    static constexpr std::array makers{unit_sphere_mesh, unit_disk_mesh, unit_cylinder_mesh, unit_square_mesh};
-    const std::size_t kind = object.shape.index();
-    const std::size_t mesh = shape_mesh(kind, makers[kind], object.material);
-    if (const auto* plane = std::get_if<Plane>(&object.shape)) {
-      const auto [centre, half] = plane_cut();
-      warn(fmt::format("plane '{}' without end is cut to a square of {} m", object.name, 2 * half));
-      add_mesh_node(object.name, mesh, placement(*plane, centre, half));
-    } else if (const auto* sphere = std::get_if<Sphere>(&object.shape)) {
-      warn("exact spheres, disks and cylinders are written as triangles");
-      add_mesh_node(object.name, mesh, placement(*sphere));
-    } else if (const auto* disk = std::get_if<Disk>(&object.shape)) {
-      warn("exact spheres, disks and cylinders are written as triangles");
-      add_mesh_node(object.name, mesh, placement(*disk));
+    if (std::holds_alternative<Plane>(object.shape)) {
+      warn(fmt::format("plane '{}' without end is cut to a square of {} m", object.name, 2 * plane_cut_.half));
     } else {
       warn("exact spheres, disks and cylinders are written as triangles");
-      add_mesh_node(object.name, mesh, placement(std::get<Cylinder>(object.shape)));
     }
-  }
-
-  /// The middle of all that is bounded, and half the side of a square that looks endless from there.
-  [[nodiscard]] std::pair<Vec3d, double> plane_cut() const {
-    Bounds bounds = scene_.bounds();
-    for (const Camera& camera : scene_.cameras) bounds.grow(Vec3d(camera.to_world[3]));
-    if (bounds.empty()) return {Vec3d(0), 50.0};
-    return {bounds.centre(), std::max(50.0, std::ceil(5 * bounds.diagonal()))};
+    add_mesh_node(object.name, shape_mesh(object.shape, object.material), placement(object.shape, plane_cut_));
   }
 
   // Lights and cameras.
@@ -578,6 +566,8 @@ class GltfWriter {
   }
 
   const Scene& scene_;
+  PlaneCut plane_cut_;
+  std::optional<GltfLightmap> lightmap_;
   Json root_;
   GlbBinary binary_;
   Json lights_ = Json::array();
@@ -593,10 +583,12 @@ class GltfWriter {
 }  // namespace
 
 std::vector<std::string> write_glb(const std::filesystem::path& path, const Scene& scene,
-                                   const std::map<std::string, std::string>& notes) {
+                                   const std::map<std::string, std::string>& notes,
+                                   const std::optional<GltfLightmap>& lightmap) {
   validate(scene);
   GltfWriter writer(scene);
   writer.add_notes(notes);
+  writer.set_lightmap(lightmap);
   writer.write(path);
   return writer.take_warnings();
 }

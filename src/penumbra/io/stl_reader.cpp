@@ -16,7 +16,7 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/input_file.h"
 #include "penumbra/io/text_cursor.h"
-#include "penumbra/io/vertex_welder.h"
+#include "penumbra/math/vertex_welder.h"
 
 namespace penumbra {
 namespace {

@@ -142,6 +142,14 @@ class Gatherer {
   }
 
   [[nodiscard]] std::size_t light_count() const { return used_.size(); }
+  /// Number in Scene::lights, or the environment.
+  [[nodiscard]] std::size_t scene_light(std::size_t number) const {
+    const auto& source = lights_.light(used_[number]);
+    return source.kind == LightSampler::Kind::environment ? LightIrradiance::environment : source.index;
+  }
+  [[nodiscard]] bool has_colours_of_its_own(std::size_t number) const {
+    return lights_.light(used_[number]).kind == LightSampler::Kind::environment && lights_.environment().has_picture();
+  }
   [[nodiscard]] std::optional<Vec3d> flux(std::size_t number) const {
     const auto& source = lights_.light(used_[number]);
     return source.kind == LightSampler::Kind::punctual ? own_flux(scene_.lights[source.index]) : std::nullopt;
@@ -258,6 +266,19 @@ class Gatherer {
   double error_ = 0;
 };
 
+/// Divides by the light's strength. A band in which it is dark takes the value of its brightest, unless it has colours
+/// of its own (a picture).
+Vec3d at_unit_strength(const Vec3d& value, const Vec3d& strength, bool coloured) {
+  const int brightest = strength.x >= strength.y && strength.x >= strength.z ? 0 : strength.y >= strength.z ? 1 : 2;
+  if (!(strength[brightest] > 0)) return Vec3d(0);
+  Vec3d unit(0);
+  for (int b = 0; b < 3; ++b) {
+    const int from = strength[b] > 0 || coloured ? b : brightest;
+    if (strength[from] > 0) unit[b] = value[from] / strength[from];
+  }
+  return unit;
+}
+
 void check(const DirectIrradianceOptions& options) {
   if (options.samples < 1 || options.sky_samples < 1) {
     throw std::invalid_argument("Direct irradiance needs at least one ray from an element to each light.");
@@ -302,13 +323,24 @@ DirectIrradiance direct_irradiance(const Scene& scene, const PatchMesh& elements
                              static_cast<double>(std::min(count, start + stride)) / static_cast<double>(count)) /
                                 static_cast<double>(lights));
     }
+    LightIrradiance alone;
+    alone.light = gatherer.scene_light(light);
+    alone.unit.resize(3 * count);
+    const Vec3d strength = light_strength(scene, alone.light);
+    const bool coloured = gatherer.has_colours_of_its_own(light);
     Vec3d reached(0);
     for (std::size_t e = 0; e < count; ++e) {
-      for (int b = 0; b < 3; ++b) result.irradiance[3 * e + b] += by_light[e][b];
+      const Vec3d unit = at_unit_strength(by_light[e], strength, coloured);
+      for (int b = 0; b < 3; ++b) {
+        result.irradiance[3 * e + b] += by_light[e][b];
+        alone.unit[3 * e + b] = unit[b];
+      }
       reached += elements.areas[e] * by_light[e];
     }
     const Vec3d power = gatherer.flux(light).value_or(reached);
     for (int b = 0; b < 3; ++b) result.light_power[b] += power[b];
+    alone.power = at_unit_strength(power, strength, coloured);
+    result.lights.push_back(std::move(alone));
   }
   return result;
 }

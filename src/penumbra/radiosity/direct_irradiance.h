@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "penumbra/parallel/progress.h"
+#include "penumbra/radiosity/light_irradiance.h"
 #include "penumbra/radiosity/patch_mesh.h"
 #include "penumbra/scene/scene.h"
 
@@ -23,7 +24,8 @@ struct DirectIrradianceOptions {
 struct DirectIrradiance {
   std::vector<double> irradiance;   ///< mean over each element, [element * 3 + band], W/m^2; empty without such lights
   std::vector<double> light_power;  ///< [band], W: flux of points and spots; of sun and sky what reaches the elements
-  bool partial = false;             ///< stopped from outside; the rest of the elements have 0
+  std::vector<LightIrradiance> lights;  ///< the same light by light, for other strengths
+  bool partial = false;                 ///< stopped from outside; the rest of the elements have 0
 };
 
 /// Mean irradiance of each element straight from point, spot and far lights and the environment. The faces of the scene

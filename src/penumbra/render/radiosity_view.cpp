@@ -10,9 +10,6 @@
 namespace penumbra {
 namespace {
 
-// No surface of a man-made scene lies along it.
-const Vec3d dividing_direction = normalize(Vec3d(0.5741, 0.7213, 0.3873));
-constexpr double same_place = 1e-5;  // two hits of coincident sides, relative to their distance
 constexpr double outline_strength = 0.75;
 
 double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
@@ -44,8 +41,7 @@ RadiosityView::RadiosityView(const PatchMesh& elements, std::span<const double> 
   } else {
     relight(irradiance);
   }
-  halves_[0] = make_half(true);
-  halves_[1] = make_half(false);
+  sight_ = std::make_unique<ElementSight>(shading_, normals_);
 }
 
 void RadiosityView::relight(std::span<const double> irradiance) {
@@ -54,23 +50,6 @@ void RadiosityView::relight(std::span<const double> irradiance) {
   } else {
     light_.assign(irradiance.begin(), irradiance.end());
   }
-}
-
-RadiosityView::Half RadiosityView::make_half(bool positive) const {
-  Half half;
-  half.scene = std::make_unique<Scene>();
-  half.scene->materials.emplace_back();
-  Mesh& mesh = half.scene->meshes.emplace_back();
-  mesh.positions = shading_.positions;
-  for (std::uint32_t t = 0; t < shading_.triangles.size(); ++t) {
-    const Vec3d& n = normals_[shading_.element_of_triangle[t]];
-    if ((dot(n, dividing_direction) >= 0) != positive) continue;
-    mesh.triangles.push_back(shading_.triangles[t]);
-    half.triangles.push_back(t);
-  }
-  half.scene->instances.push_back({"elements", 0, Mat4d(1.0)});
-  half.tracer = std::make_unique<RayTracer>(*half.scene);
-  return half;
 }
 
 double RadiosityView::outline(std::uint32_t element, const Vec3d& position, double distance) const {
@@ -84,41 +63,25 @@ double RadiosityView::outline(std::uint32_t element, const Vec3d& position, doub
 }
 
 RadiosityView::Sight RadiosityView::look(const Ray& ray) const {
-  struct Met {
-    double t;
-    std::uint32_t triangle, element;
-    Vec2d weights;
-    bool faces;
-  };
-  std::optional<Met> seen;
-  for (const Half& half : halves_) {
-    const std::optional<Hit> hit = half.tracer->nearest(ray);
-    if (!hit) continue;
-    const std::uint32_t triangle = half.triangles[hit->primitive];
-    const std::uint32_t element = shading_.element_of_triangle[triangle];
-    const Met met{hit->t, triangle, element, hit->barycentric, dot(normals_[element], ray.direction) < 0};
-    // Of two sides in one place, the one that faces the ray.
-    const bool same = seen && std::abs(met.t - seen->t) <= same_place * met.t;
-    if (!seen || (same ? met.faces && !seen->faces : met.t < seen->t)) seen = met;
-  }
+  const std::optional<ElementSight::Place> seen = sight_->nearest(ray);
   Sight sight;
   if (!seen) {
     sight.radiance = environment_.radiance(ray.direction);
     return sight;
   }
   sight.hit = true;
-  sight.distance = seen->t;
-  sight.position = ray.at(seen->t);
+  sight.distance = seen->distance;
+  sight.position = ray.at(seen->distance);
   sight.normal = normals_[seen->element];
   sight.object = objects_[seen->element];
   if (!seen->faces) return sight;
 
-  const double weights[] = {1 - seen->weights.x - seen->weights.y, seen->weights.x, seen->weights.y};
-  const double shade = outline(seen->element, sight.position, seen->t) / std::numbers::pi;
+  const double shade = outline(seen->element, sight.position, seen->distance) / std::numbers::pi;
   for (std::size_t b = 0; b < 3; ++b) {
     double light = 0;
     if (options_.smooth) {
-      for (std::size_t k = 0; k < 3; ++k) light += weights[k] * light_[3 * shading_.triangles[seen->triangle][k] + b];
+      for (std::size_t k = 0; k < 3; ++k)
+        light += seen->weights[k] * light_[3 * shading_.triangles[seen->triangle][k] + b];
     } else {
       light = light_[3 * seen->element + b];
     }

@@ -8,6 +8,7 @@
 #include "penumbra/radiosity/meshing/lamp_irradiance.h"
 #include "penumbra/radiosity/meshing/shading_mesh.h"
 #include "penumbra/radiosity/patch_mesh.h"
+#include "penumbra/render/element_sight.h"
 #include "penumbra/render/render.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/environment_map.h"
@@ -52,13 +53,6 @@ class RadiosityView {
   [[nodiscard]] Sight look(const Ray& ray) const;
 
  private:
-  /// Elements whose normals lie in one half of all directions: a face and its back never in the same.
-  struct Half {
-    std::unique_ptr<Scene> scene;
-    std::unique_ptr<RayTracer> tracer;
-    std::vector<std::uint32_t> triangles;  ///< of the shading mesh
-  };
-  [[nodiscard]] Half make_half(bool positive) const;
   [[nodiscard]] double outline(std::uint32_t element, const Vec3d& position, double distance) const;
 
   ShadingMesh shading_;
@@ -69,7 +63,7 @@ class RadiosityView {
   std::vector<std::uint32_t> objects_;
   std::vector<double> light_;                 // at the shading mesh's vertices or, flat, of the elements
   std::vector<std::vector<Vec3d>> outlines_;  // of the elements, when they are drawn
-  Half halves_[2];
+  std::unique_ptr<ElementSight> sight_;
 };
 
 /// Draws a picture of a solution; reads size, samples, filter, region, layers, seed and time limit of the options.

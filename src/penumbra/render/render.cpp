@@ -14,6 +14,7 @@
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/radiosity_view.h"
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/render/two_pass.h"
 
 namespace penumbra {
 namespace {
@@ -35,6 +36,7 @@ void check(const RenderOptions& o) {
   require(o.max_depth >= 0, "the depth must not be negative");
   require(o.min_throughput >= 0 && o.min_throughput <= 1, "the smallest throughput must lie in 0 to 1");
   require(o.noise >= 0 && o.noise < 1, "the noise target must lie in 0 to 1");
+  require(o.final_gather >= 0, "the rays that gather light must not be fewer than 0");
   require(o.time_limit >= 0, "the time limit must not be negative");
   if (o.region) {
     const Region& r = *o.region;
@@ -225,6 +227,14 @@ RenderResult render(const RadiosityView& view, const Camera& camera, const Rende
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
   return draw(RadiosityIntegrator(view, rays, options.seed), options, progress, began);
+}
+
+RenderResult render(const RayTracer& tracer, const DiffuseLight& light, const Camera& camera,
+                    const RenderOptions& options, const Progress& progress) {
+  check(options);
+  const auto began = Clock::now();
+  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
+  return draw(*make_two_pass(tracer, light, rays, options), options, progress, began);
 }
 
 }  // namespace penumbra

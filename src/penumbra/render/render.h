@@ -49,6 +49,7 @@ struct RenderOptions {
   std::optional<Region> region;   ///< none: everything
   bool opaque_shadows = false;    ///< glass stops shadow rays in appel and whitted
   bool front_sides_only = false;  ///< backs are black and opaque
+  int final_gather = 0;           ///< two-pass: rays a sample that gather indirect light; 0: interpolated
   std::uint64_t seed = 0;
   double time_limit = 0;  ///< s, 0: none; the samples done by then are the picture
   std::vector<Aov> aovs;

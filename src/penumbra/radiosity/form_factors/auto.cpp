@@ -29,7 +29,6 @@ constexpr double visible_by_area = 0.15, visible_by_value = 0.15;
 constexpr double partial_by_area = 0.3, partial_by_value = 0.3;
 // Partly hidden pairs are few and costly. A survey of some rows finds which part of a row they make up at most, and
 // they share out what is meant for all; `survey_margin` times that part, since other rows may hold more.
-constexpr std::size_t surveyed_clusters = 48;
 constexpr double survey_margin = 1.5;
 
 }  // namespace
@@ -39,7 +38,10 @@ struct AutoFormFactors::Impl {
       : mesh(m),
         options(o),
         settings(s),
-        occluders(make_occluder_polygons(m, s.merge_occluders)),
+        shared_occluders(s.occluders != nullptr
+                             ? s.occluders
+                             : std::make_shared<const OccluderPolygons>(make_occluder_polygons(m, s.merge_occluders))),
+        occluders(*shared_occluders),
         index(occluders),
         clusters(make_patch_clusters(m)) {
     Bounds all;
@@ -72,7 +74,8 @@ struct AutoFormFactors::Impl {
   const PatchMesh& mesh;
   FormFactorOptions options;
   Settings settings;
-  OccluderPolygons occluders;
+  std::shared_ptr<const OccluderPolygons> shared_occluders;
+  const OccluderPolygons& occluders;
   OccluderIndex index;
   PatchClusters clusters;
   std::vector<std::uint32_t> slot_of;  // per radiating patch
@@ -357,7 +360,7 @@ void AutoFormFactors::Impl::Worker::run_row(std::uint32_t patch) {
 
 /// Finds the largest part that partly hidden pairs have in some rows, and raises what one of them may err accordingly.
 void AutoFormFactors::Impl::survey() {
-  const std::size_t count = std::min(clusters.size(), surveyed_clusters);
+  const std::size_t count = std::min(clusters.size(), settings.surveyed_clusters);
   std::vector<Survey> largest(count);
   parallel_for(count, 1, [&](std::size_t n, std::size_t) {
     const std::size_t a = n * clusters.size() / count;

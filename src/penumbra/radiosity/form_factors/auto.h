@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "penumbra/radiosity/form_factors/form_factor_method.h"
+#include "penumbra/radiosity/form_factors/occluder_polygons.h"
 #include "penumbra/radiosity/patch_mesh.h"
 
 namespace penumbra {
@@ -24,6 +25,9 @@ class AutoFormFactors : public FormFactorMethod {
   struct Settings {
     bool merge_occluders = true;   ///< off: every patch hides for itself (for measurements)
     std::size_t max_cells = 4096;  ///< pieces that one partly hidden pair may be cut into
+    /// What hides, made beforehand from coarser patches of the same surfaces; none: the mesh's own patches.
+    std::shared_ptr<const OccluderPolygons> occluders{};
+    std::size_t surveyed_clusters = 48;  ///< whose rows are looked at to share out the tolerance; at least 1
   };
 
   AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options);

@@ -281,16 +281,18 @@ bool LampIrradiance::is_hidden(const Vec3d& point, const Vec3d& normal, const Ve
   return tracer_->occluded(ray);
 }
 
-double LampIrradiance::sampled_factor(const Vec3d& point, const Vec3d& normal, const Lamp& lamp) const {
+double LampIrradiance::sampled_factor(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const Lamp& lamp,
+                                      const ShadowRays& shadow) const {
   const double whole = point_to_polygon(point, normal, lamp.corners);
   if (whole == 0) return 0;
   // The share of the lamp that is seen, each point weighed by what it brings.
   const Vec3d lamp_normal = polygon_normal(lamp.corners);
   double seen = 0, all = 0;
-  const auto rays = std::clamp(rays_to_all_lamps / static_cast<std::uint32_t>(lamps_.size()), fewest_rays_to_a_lamp,
-                               most_rays_to_a_lamp);
+  const auto usual = std::clamp(rays_to_all_lamps / static_cast<std::uint32_t>(lamps_.size()), fewest_rays_to_a_lamp,
+                                most_rays_to_a_lamp);
+  const std::uint32_t rays = shadow.count > 0 ? shadow.count : usual;
   for (std::uint32_t k = 0; k < rays; ++k) {
-    Vec2d u = owen_sobol_2d(k, 0);
+    Vec2d u = owen_sobol_2d(k, shadow.key);
     const auto triangles = static_cast<double>(lamp.corners.size() - 2);
     const auto t = static_cast<std::size_t>(std::min(u.x * triangles, triangles - 1));
     u.x = u.x * triangles - static_cast<double>(t);
@@ -302,27 +304,43 @@ double LampIrradiance::sampled_factor(const Vec3d& point, const Vec3d& normal, c
         length(cross(e1, e2)) * std::max(0.0, dot(way, normal)) * std::max(0.0, -dot(way, lamp_normal)) / (r2 * r2);
     if (!(weight > 0)) continue;
     all += weight;
-    if (!is_hidden(point, normal, way / std::sqrt(r2), std::sqrt(r2))) seen += weight;
+    if (!is_hidden(point, geometric, way / std::sqrt(r2), std::sqrt(r2))) seen += weight;
   }
   return all > 0 ? whole * seen / all : 0;
 }
 
-Vec3d LampIrradiance::View::at(const Vec3d& point) const {
+Vec3d LampIrradiance::without_body(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal,
+                                   const Lamp& lamp) const {
+  SurfacePoint from;
+  from.position = point;
+  from.error = Vec3d(rounding_);
+  from.geometric_normal = from.shading_normal = geometric;
+  const auto sample = sampler_.sample_light(lamp.light, from, Vec2d(0));
+  if (!sample || !(dot(sample->direction, geometric) > 0) || tracer_->occluded(sample->shadow_ray)) return Vec3d(0);
+  return std::max(0.0, dot(sample->direction, normal)) * Vec3d(sample->radiance);
+}
+
+Vec3d LampIrradiance::at(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal,
+                         const ShadowRays& rays) const {
+  Vec3d sum(0);
+  for (const Lamp& lamp : lamps_) {
+    sum += lamp.kind == Lamp::Kind::patch ? lamp.strength * sampled_factor(point, geometric, normal, lamp, rays)
+                                          : without_body(point, geometric, normal, lamp);
+  }
+  return sum;
+}
+
+Vec3d LampIrradiance::View::at(const Vec3d& point, const ShadowRays& rays) const {
   Vec3d sum(0);
   for (const Seen& seen : seen_) {
     const Lamp& lamp = owner_->lamps_[seen.lamp];
-    if (lamp.kind == Lamp::Kind::patch) {
-      sum += lamp.strength * (seen.by_rays ? owner_->sampled_factor(point, normal_, lamp)
-                                           : owner_->visible_factor(point, normal_, seen));
-      continue;
+    if (lamp.kind != Lamp::Kind::patch) {
+      sum += owner_->without_body(point, normal_, normal_, lamp);
+    } else if (seen.by_rays) {
+      sum += lamp.strength * owner_->sampled_factor(point, normal_, normal_, lamp, rays);
+    } else {
+      sum += lamp.strength * owner_->visible_factor(point, normal_, seen);
     }
-    SurfacePoint from;
-    from.position = point;
-    from.error = Vec3d(owner_->rounding_);
-    from.geometric_normal = from.shading_normal = normal_;
-    const auto sample = owner_->sampler_.sample_light(lamp.light, from, Vec2d(0));
-    if (!sample || owner_->tracer_->occluded(sample->shadow_ray)) continue;
-    sum += std::max(0.0, dot(sample->direction, normal_)) * Vec3d(sample->radiance);
   }
   return sum;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "penumbra/math/bounds.h"
@@ -40,6 +41,9 @@ class LampIrradiance {
   LampIrradiance(const Scene& scene, const PatchMesh& faces, std::size_t most_lamps = 16);
 
   [[nodiscard]] std::span<const Lamp> lamps() const { return lamps_; }
+  /// Other lamps instead: patches of the faces or parts of them that send out light at the moment, and those of before.
+  /// Not while a View is in use.
+  void set_lamps(std::vector<Lamp> lamps) { lamps_ = std::move(lamps); }
   [[nodiscard]] const PatchMesh& faces() const { return faces_; }
   /// Triangles of the faces, and the patch that each is a part of.
   [[nodiscard]] const RayTracer& tracer() const { return *tracer_; }
@@ -47,11 +51,21 @@ class LampIrradiance {
   /// Bound on a coordinate's rounding in the tracer, m.
   [[nodiscard]] double rounding() const { return rounding_; }
 
+  /// Rays to points of a lamp, where they decide.
+  struct ShadowRays {
+    std::uint64_t key = 0;    ///< of the points: the same everywhere, or another for each look, so that looks average
+    std::uint32_t count = 0;  ///< to each lamp; 0: 16 to 64
+  };
+  /// Irradiance of a free point on a side, W/m^2: what is seen of lamps is decided by rays.
+  /// @param geometric unit normal of the surface there. @param normal unit, that which the light is weighed by.
+  [[nodiscard]] Vec3d at(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const ShadowRays& rays) const;
+
   /// What may stand between each lamp and a polygon, listed once for many points.
   class View {
    public:
     /// Irradiance of a point of the polygon on the side of its normal, W/m^2, red, green, blue.
-    [[nodiscard]] Vec3d at(const Vec3d& point) const;
+    [[nodiscard]] Vec3d at(const Vec3d& point) const { return at(point, ShadowRays{}); }
+    [[nodiscard]] Vec3d at(const Vec3d& point, const ShadowRays& rays) const;
     /// Whether any lamp has a part on the lit side.
     [[nodiscard]] bool is_lit() const { return !seen_.empty(); }
 
@@ -80,7 +94,10 @@ class LampIrradiance {
   std::uint32_t build(std::uint32_t first, std::uint32_t last);
   void list_occluders(std::span<const Vec3d> receiver, const Plane3& plane, View::Seen& seen) const;
   [[nodiscard]] double visible_factor(const Vec3d& point, const Vec3d& normal, const View::Seen& seen) const;
-  [[nodiscard]] double sampled_factor(const Vec3d& point, const Vec3d& normal, const Lamp& lamp) const;
+  [[nodiscard]] double sampled_factor(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const Lamp& lamp,
+                                      const ShadowRays& shadow) const;
+  [[nodiscard]] Vec3d without_body(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal,
+                                   const Lamp& lamp) const;
   [[nodiscard]] bool is_hidden(const Vec3d& point, const Vec3d& normal, const Vec3d& direction, double distance) const;
 
   const Scene& scene_;

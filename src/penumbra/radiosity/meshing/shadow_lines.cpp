@@ -270,4 +270,12 @@ std::vector<ShadowLine> find_shadow_lines(const LampIrradiance& light, const Sha
   return LineSeeker(light, options).seek();
 }
 
+std::vector<ShadowLine> by_importance(std::vector<ShadowLine> lines) {
+  std::stable_sort(lines.begin(), lines.end(), [](const ShadowLine& a, const ShadowLine& b) {
+    if (a.degree != b.degree) return a.degree < b.degree;
+    return length_squared(a.ends[1] - a.ends[0]) > length_squared(b.ends[1] - b.ends[0]);
+  });
+  return lines;
+}
+
 }  // namespace penumbra

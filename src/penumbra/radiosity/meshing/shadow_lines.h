@@ -30,4 +30,7 @@ struct ShadowLineOptions {
 [[nodiscard]] std::vector<ShadowLine> find_shadow_lines(const LampIrradiance& light,
                                                         const ShadowLineOptions& options = {});
 
+/// Lines that jump first, then the longest: when elements run out the lesser ones are left.
+[[nodiscard]] std::vector<ShadowLine> by_importance(std::vector<ShadowLine> lines);
+
 }  // namespace penumbra

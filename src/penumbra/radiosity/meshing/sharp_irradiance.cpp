@@ -41,6 +41,14 @@ Vec3d mean_over(const LampIrradiance::View& view, std::span<const Vec3d> polygon
   return sum / weight;
 }
 
+std::vector<double> less(std::span<const double> irradiance, const std::vector<Vec3d>& direct) {
+  std::vector<double> rest(irradiance.begin(), irradiance.end());
+  for (std::size_t e = 0; e < direct.size(); ++e) {
+    for (int b = 0; b < 3; ++b) rest[3 * e + static_cast<std::size_t>(b)] -= direct[e][b];
+  }
+  return rest;
+}
+
 Direct direct_light(const LampIrradiance& light, const PatchMesh& elements, const ShadingMesh& shading) {
   Direct direct;
   direct.of_elements.assign(elements.patch_count(), Vec3d(0));
@@ -135,14 +143,23 @@ class VertexSplitter {
 
 }  // namespace
 
+std::vector<double> without_lamps(const LampIrradiance& light, const PatchMesh& elements,
+                                  std::span<const double> irradiance) {
+  std::vector<Vec3d> direct(elements.patch_count(), Vec3d(0));
+  parallel_for(elements.patch_count(), 16, [&](std::size_t first, std::size_t last) {
+    for (std::size_t e = first; e < last; ++e) {
+      const LampIrradiance::View view = light.view(elements.polygon(e));
+      if (view.is_lit()) direct[e] = mean_over(view, elements.polygon(e));
+    }
+  });
+  return less(irradiance, direct);
+}
+
 SharpIrradiance sharp_irradiance(const LampIrradiance& light, const PatchMesh& elements, const ShadingMesh& shading,
                                  std::span<const double> irradiance) {
   assert(irradiance.size() == 3 * elements.patch_count());
   const Direct direct = direct_light(light, elements, shading);
-  std::vector<double> rest(irradiance.begin(), irradiance.end());
-  for (std::size_t e = 0; e < elements.patch_count(); ++e) {
-    for (int b = 0; b < 3; ++b) rest[3 * e + static_cast<std::size_t>(b)] -= direct.of_elements[e][b];
-  }
+  const std::vector<double> rest = less(irradiance, direct.of_elements);
   VertexSplitter splitter(shading, direct.of_corners);
   SharpIrradiance sharp;
   sharp.mesh = splitter.take();

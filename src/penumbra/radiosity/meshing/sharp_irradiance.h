@@ -24,4 +24,9 @@ struct SharpIrradiance {
 [[nodiscard]] SharpIrradiance sharp_irradiance(const LampIrradiance& light, const PatchMesh& elements,
                                                const ShadingMesh& shading, std::span<const double> irradiance);
 
+/// What is left of the elements' irradiance without the lamps' own light, [element * 3 + band], W/m^2; may fall below 0
+/// by the rounding of means.
+[[nodiscard]] std::vector<double> without_lamps(const LampIrradiance& light, const PatchMesh& elements,
+                                                std::span<const double> irradiance);
+
 }  // namespace penumbra

@@ -10,9 +10,12 @@
 #include "penumbra/radiosity/direct_irradiance.h"
 #include "penumbra/radiosity/meshing/adaptive_elements.h"
 #include "penumbra/radiosity/meshing/uniform.h"
+#include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/factor_rows.h"
 #include "penumbra/radiosity/solvers/shooting.h"
 #include "penumbra/radiosity/solvers/solver.h"
+#include "penumbra/radiosity/specular/extended_factors.h"
+#include "penumbra/radiosity/specular/specular_surfaces.h"
 
 namespace penumbra {
 namespace {
@@ -117,10 +120,87 @@ double escape_by_errors(const RadiositySetup& setup, const RadiositySolution& so
 double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& solution) {
   double power = 0;
   for (std::size_t i = 0; i < setup.mesh.surface_count(); ++i) {
-    if (!setup.mesh.surfaces[i].back) continue;
+    if (!setup.mesh.surfaces[i].back || (!setup.passes_light.empty() && setup.passes_light[i])) continue;
     for (std::size_t b = 0; b < 3; ++b) power += setup.mesh.surfaces[i].area * solution.irradiance[3 * i + b];
   }
   return power;
+}
+
+// What mirrors and glass pass on is not theirs to reflect diffusely. None are found when their light is not wanted.
+SpecularElements leave_to_mirrors(const Scene& scene, const RadiositySetupOptions& options, RadiositySetup& setup) {
+  setup.passes_light.assign(setup.mesh.surface_count(), false);
+  if (options.specular_rays == 0) return {};
+  SpecularElements specular = find_specular_elements(scene, setup.mesh, MeshingOptions{}.shape_segments);
+  if (!specular.any()) return specular;
+  share_reflectance(scene, specular, setup.mesh);
+  setup.passes_light = specular.only_specular;
+  return specular;
+}
+
+void add_light_by_mirrors(const Scene& scene, const RadiositySetupOptions& options, const SpecularElements& specular,
+                          const Progress& progress, RadiositySetup& setup) {
+  std::unique_ptr<FactorRowSource> rows;
+  if (setup.row_method) {
+    rows = std::make_unique<MethodRows>(*setup.row_method, setup.mesh);
+  } else {
+    rows = std::make_unique<MatrixRows>(setup.factors);
+  }
+  ExtendedFactors found = make_extended_factors(scene, setup.mesh, specular, *rows,
+                                                {.rays = options.specular_rays,
+                                                 .front_sides_only = options.front_sides_only,
+                                                 .seed = options.seed,
+                                                 .progress = progress});
+  setup.problem.specular = std::make_shared<const SpecularTransport>(std::move(found.transport));
+  setup.specular_lights = std::move(found.lights);
+  setup.specular_rays = found.rays;
+  setup.partial = setup.partial || found.partial;
+}
+
+// Mean standard error of what comes by way of mirrors and glass, as a share of the mean irradiance.
+double specular_error(const RadiositySetup& setup, const RadiositySolution& solution) {
+  const double all = power_of(setup.problem, solution.irradiance);
+  return all > 0 ? power_of(setup.problem, setup.problem.specular->standard_errors(solution.radiosity)) / all : 0;
+}
+
+// Where mirrors and glass pass light on, elements stay as they were made.
+bool refines_as_it_shoots(const Scene& scene, const RadiositySetupOptions& options) {
+  const bool specular =
+      options.specular_rays > 0 && std::any_of(scene.materials.begin(), scene.materials.end(), is_specular);
+  return !specular && options.solver == "shooting" && options.subdivision == Subdivision::adaptive &&
+         options.form_factors == "auto";
+}
+
+void prepare_refining(const Scene& scene, const RadiositySetupOptions& options, const Progress& progress,
+                      RadiositySetup& setup) {
+  RefiningShootingOptions shooting;
+  shooting.element_count = options.element_count;
+  shooting.element_size = options.element_size;
+  shooting.contrast = options.contrast;
+  shooting.front_sides_only = options.front_sides_only;
+  shooting.factors = options.factors;
+  shooting.seed = options.seed;
+  setup.refining = std::make_unique<RefiningShooting>(scene, shooting, progress);
+  setup.mesh = setup.refining->mesh();
+  setup.problem = setup.refining->problem();
+  setup.warnings = setup.refining->warnings();
+}
+
+RadiositySolution refine_and_shoot(RadiositySetup& setup, const SolverOptions& options) {
+  SolverOptions own = options;
+  const auto update = [&] {
+    if (setup.mesh.surface_count() == setup.refining->mesh().surface_count()) return;
+    setup.mesh = setup.refining->mesh();
+    setup.problem = setup.refining->problem();
+  };
+  own.on_stage = [&](const SolverStage& stage) {
+    if (!options.on_stage) return;
+    update();
+    options.on_stage(stage);
+  };
+  RadiositySolution solution = setup.refining->solve(own);
+  update();
+  setup.problem = setup.refining->problem();
+  return solution;
 }
 
 }  // namespace
@@ -132,13 +212,18 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   setup->front_sides_only = options.front_sides_only;
   Stopwatch watch;
   progress.tell("mesh", 0);
+  if (refines_as_it_shoots(scene, options)) {
+    prepare_refining(scene, options, progress, *setup);
+    setup->seconds.mesh = watch.lap();
+    return setup;
+  }
   make_elements(scene, options, progress, *setup);
+  const SpecularElements specular = leave_to_mirrors(scene, options, *setup);
   setup->problem = make_radiosity_problem(setup->mesh);
   setup->seconds.mesh = watch.lap();
 
   DirectIrradiance direct = direct_irradiance(scene, setup->mesh, {.seed = options.seed, .progress = progress});
-  setup->problem.irradiance = std::move(direct.irradiance);
-  setup->problem.light_power = std::move(direct.light_power);
+  setup->lights = std::move(direct.lights);
   setup->seconds.direct = watch.lap();
 
   FormFactorOptions factor_options = options.factors;
@@ -153,18 +238,30 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   }
   setup->partial = setup->partial || direct.partial || setup->factors.partial;
   setup->seconds.form_factors = watch.lap();
+  if (specular.any()) add_light_by_mirrors(scene, options, specular, progress, *setup);
+  setup->seconds.specular = watch.lap();
+  relight(scene, *setup);
   return setup;
 }
 
-SceneRadiosity solve(const RadiositySetup& setup, const SolverOptions& options) {
+void relight(const Scene& scene, RadiositySetup& setup) {
+  setup.problem.irradiance = irradiance_of(scene, setup.lights);
+  setup.problem.light_power = power_of(scene, setup.lights);
+  setup.problem.specular_irradiance = irradiance_of(scene, setup.specular_lights);
+}
+
+SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
   SceneRadiosity result;
   RadiositySolution& solution = result.solution;
-  if (setup.row_method) {
+  if (setup.refining) {
+    solution = refine_and_shoot(setup, options);
+  } else if (setup.row_method) {
     solution = solve_shooting(setup.problem, MethodRows(*setup.row_method, setup.mesh), options);
   } else {
     solution = solve_radiosity(setup.solver, setup.problem, setup.factors, options);
   }
   solution.partial = solution.partial || setup.partial;
+  if (setup.problem.specular) result.specular_error = specular_error(setup, solution);
   if (setup.front_sides_only) {
     result.absorbed_by_backs = absorbed_by_backs(setup, solution);
     solution.energy.absorbed -= result.absorbed_by_backs;

@@ -22,7 +22,9 @@ Eigen::VectorXd band_of(const std::vector<double>& values, std::size_t bands, st
   return one;
 }
 
-Eigen::MatrixXd system_matrix(const FactorMatrix& factors, const Eigen::VectorXd& reflectance) {
+/// @param band whose light by way of mirrors and glass counts.
+Eigen::MatrixXd system_matrix(const FactorMatrix& factors, const SpecularTransport* specular, std::size_t band,
+                              const Eigen::VectorXd& reflectance) {
   const Eigen::Index n = reflectance.size();
   Eigen::MatrixXd m = Eigen::MatrixXd::Identity(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -30,6 +32,11 @@ Eigen::MatrixXd system_matrix(const FactorMatrix& factors, const Eigen::VectorXd
     const auto columns = factors.row_columns(row);
     for (std::size_t k = 0; k < columns.size(); ++k) {
       m(i, static_cast<Eigen::Index>(columns[k])) -= reflectance[i] * factors.row_values(row)[k];
+    }
+    if (specular == nullptr) continue;
+    for (std::uint64_t k = specular->offsets[row]; k < specular->offsets[row + 1]; ++k) {
+      m(i, static_cast<Eigen::Index>(specular->columns[k])) -=
+          reflectance[i] * static_cast<double>(specular->values[SpecularTransport::bands * k + band]);
     }
   }
   return m;
@@ -55,8 +62,8 @@ RadiositySolution solve_direct(const RadiosityProblem& problem, const FactorMatr
     stopped = options.progress.stop_requested();
     if (stopped) break;
     const Eigen::VectorXd reflectance = band_of(problem.reflectance, bands, band);
-    if (!lu || reflectance != factorised) {
-      lu.emplace(system_matrix(factors, reflectance));
+    if (!lu || problem.specular || reflectance != factorised) {
+      lu.emplace(system_matrix(factors, problem.specular.get(), band, reflectance));
       factorised = reflectance;
     }
     const Eigen::VectorXd solved = lu->solve(band_of(equation.source(), bands, band));

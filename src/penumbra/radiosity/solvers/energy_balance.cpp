@@ -38,6 +38,19 @@ double absorbed_power(const RadiosityProblem& problem, std::span<const double> i
   return power;
 }
 
+SpecularFlow specular_flow(const RadiosityProblem& problem, std::span<const double> radiosity) {
+  SpecularFlow flow;
+  if (!problem.specular_irradiance.empty()) flow.arrived = power_of(problem, problem.specular_irradiance);
+  if (!problem.specular) return flow;
+  std::vector<double> irradiance(radiosity.size(), 0.0);
+  problem.specular->gather(0, problem.element_count(), radiosity, irradiance);
+  flow.arrived += power_of(problem, irradiance);
+  for (std::size_t k = 0; k < radiosity.size(); ++k) {
+    flow.left += problem.areas[k / problem.bands] * static_cast<double>(problem.specular->leaving[k]) * radiosity[k];
+  }
+  return flow;
+}
+
 EnergyBalance energy_balance(const RadiosityProblem& problem, const FactorMatrix& factors,
                              std::span<const double> radiosity, std::span<const double> irradiance,
                              std::span<const double> unshot) {
@@ -51,6 +64,9 @@ EnergyBalance energy_balance(const RadiosityProblem& problem, const FactorMatrix
       energy.escaped += problem.areas[i] * radiosity[i * problem.bands + b] * open;
     }
   }
+  const SpecularFlow flow = specular_flow(problem, radiosity);
+  energy.absorbed -= flow.arrived + flow.left;
+  energy.escaped += flow.left;
   energy.unshot = power_of(problem, unshot);
   return energy;
 }

@@ -17,8 +17,16 @@ namespace penumbra {
 /// Sum over elements and bands of A_i values_i, W.
 [[nodiscard]] double power_of(const RadiosityProblem& problem, std::span<const double> values);
 
-/// Sum of A_i (1 - rho_i) H_i, W. @param irradiance from everywhere, W/m^2.
+/// Sum of A_i (1 - rho_i) H_i, W. @param irradiance from everywhere, W/m^2. What mirrors and glass pass on is in it:
+/// see SpecularFlow.
 [[nodiscard]] double absorbed_power(const RadiosityProblem& problem, std::span<const double> irradiance);
+
+/// Light that specular elements pass on, W, summed over bands: it arrives twice, at them and where it ends.
+struct SpecularFlow {
+  double arrived = 0;  ///< at elements by way of mirrors and glass
+  double left = 0;     ///< the scene that way
+};
+[[nodiscard]] SpecularFlow specular_flow(const RadiosityProblem& problem, std::span<const double> radiosity);
 
 /// The balance of a state in which every element has sent out `radiosity`, received `irradiance` (from everywhere) and
 /// still holds back `unshot` (W/m^2; the residual E + rho H - B of an iterate B). Whatever the state, emitted =

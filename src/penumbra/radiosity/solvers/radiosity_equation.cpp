@@ -50,6 +50,7 @@ void gather_rows(const FactorMatrix& factors, std::size_t bands, std::size_t fir
 RadiosityEquation::RadiosityEquation(const RadiosityProblem& problem, const FactorMatrix& factors)
     : problem_(problem), factors_(factors), source_(problem.emission) {
   validate(problem);
+  lights_ = irradiance_of_lights(problem);
   const std::size_t n = problem.element_count(), bands = problem.bands;
   if (factors.rows() != n) {
     throw std::invalid_argument(fmt::format(
@@ -58,11 +59,13 @@ RadiosityEquation::RadiosityEquation(const RadiosityProblem& problem, const Fact
   self_factors_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const double sum = factors.row_sum(i);
+    Vec3d turned(0);
+    if (problem.specular) turned = problem.specular->row_sum(i);
     self_factors_[i] = factors.at(i, i);
     for (std::size_t k = i * bands; k < (i + 1) * bands; ++k) {
-      if (!problem.irradiance.empty()) source_[k] += problem.reflectance[k] * problem.irradiance[k];
+      if (!lights_.empty()) source_[k] += problem.reflectance[k] * lights_[k];
       largest_source_ = std::max(largest_source_, source_[k]);
-      contraction_ = std::max(contraction_, problem.reflectance[k] * sum);
+      contraction_ = std::max(contraction_, problem.reflectance[k] * (sum + turned[static_cast<int>(k % 3)]));
     }
   }
 }
@@ -76,14 +79,18 @@ void RadiosityEquation::gather(std::size_t first, std::size_t last, std::span<co
                                std::span<double> gathered) const {
   switch (problem_.bands) {
     case 1:
-      return gather_rows<1>(factors_, first, last, radiosity.data(), gathered.data());
+      gather_rows<1>(factors_, first, last, radiosity.data(), gathered.data());
+      break;
     case 3:
-      return gather_rows<3>(factors_, first, last, radiosity.data(), gathered.data());
+      gather_rows<3>(factors_, first, last, radiosity.data(), gathered.data());
+      break;
     case 4:
-      return gather_rows<4>(factors_, first, last, radiosity.data(), gathered.data());
+      gather_rows<4>(factors_, first, last, radiosity.data(), gathered.data());
+      break;
     default:
-      return gather_rows(factors_, problem_.bands, first, last, radiosity.data(), gathered.data());
+      gather_rows(factors_, problem_.bands, first, last, radiosity.data(), gathered.data());
   }
+  if (problem_.specular) problem_.specular->gather(first, last, radiosity, gathered);
 }
 
 void RadiosityEquation::evaluate(std::span<const double> radiosity, State& state) const {
@@ -93,7 +100,7 @@ void RadiosityEquation::evaluate(std::span<const double> radiosity, State& state
   parallel_for(n, rows_a_task, [&](std::size_t first, std::size_t last) {
     gather(first, last, radiosity, std::span(state.irradiance).subspan(first * bands, (last - first) * bands));
     for (std::size_t k = first * bands; k < last * bands; ++k) {
-      if (!problem_.irradiance.empty()) state.irradiance[k] += problem_.irradiance[k];
+      if (!lights_.empty()) state.irradiance[k] += lights_[k];
       state.residual[k] = problem_.emission[k] + problem_.reflectance[k] * state.irradiance[k] - radiosity[k];
     }
   });

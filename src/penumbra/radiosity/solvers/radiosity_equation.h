@@ -11,7 +11,8 @@
 namespace penumbra {
 
 /// The discrete radiosity equation B = S + K B of a problem on given factors, with the source S_i = E_i + rho_i H_i and
-/// K_ij = rho_i F_ij: what every matrix solver asks of it. Problem and factors must outlive it.
+/// K_ij = rho_i (F_ij + X_ij), X being light by way of mirrors and glass: what every matrix solver asks of it. Problem
+/// and factors must outlive it.
 ///
 /// Work is shared out by rows and each row is summed in the order of its columns: the same bits on any thread count.
 class RadiosityEquation {
@@ -25,12 +26,12 @@ class RadiosityEquation {
   /// S, [element * bands + band], W/m^2.
   [[nodiscard]] const std::vector<double>& source() const { return source_; }
   [[nodiscard]] double largest_source() const { return largest_source_; }
-  /// max_i rho_i sum_j F_ij: the factor by which the error of an iterate falls at least with a bounce.
+  /// max_i rho_i sum_j (F_ij + X_ij): the factor by which the error of an iterate falls at least with a bounce.
   [[nodiscard]] double contraction() const { return contraction_; }
-  /// 1 - rho_i F_ii, or 1 where that is not positive.
+  /// 1 - rho_i F_ii (X_ii left to the iteration), or 1 where that is not positive.
   [[nodiscard]] double diagonal(std::size_t value) const;
 
-  /// sum_j F_ij B_j for the rows [first, last), on this thread. @param radiosity of all elements.
+  /// sum_j (F_ij + X_ij) B_j for the rows [first, last), on this thread. @param radiosity of all elements.
   /// @param gathered [(i - first) * bands + band].
   void gather(std::size_t first, std::size_t last, std::span<const double> radiosity, std::span<double> gathered) const;
 
@@ -51,6 +52,7 @@ class RadiosityEquation {
  private:
   const RadiosityProblem& problem_;
   const FactorMatrix& factors_;
+  std::vector<double> lights_;  ///< H, empty when every light is an element
   std::vector<double> source_;
   std::vector<double> self_factors_;  ///< F_ii
   double largest_source_ = 0;

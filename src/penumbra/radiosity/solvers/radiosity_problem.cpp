@@ -34,6 +34,13 @@ RadiosityProblem make_radiosity_problem(const PatchMesh& mesh) {
   return problem;
 }
 
+std::vector<double> irradiance_of_lights(const RadiosityProblem& problem) {
+  if (problem.specular_irradiance.empty()) return problem.irradiance;
+  std::vector<double> sum = problem.specular_irradiance;
+  for (std::size_t k = 0; k < problem.irradiance.size(); ++k) sum[k] += problem.irradiance[k];
+  return sum;
+}
+
 void validate(const RadiosityProblem& problem) {
   if (problem.bands == 0) throw std::invalid_argument("the radiosity problem has no bands; it needs at least one");
   constexpr double largest = std::numeric_limits<double>::max();
@@ -46,6 +53,13 @@ void validate(const RadiosityProblem& problem) {
   check(problem.reflectance, values, 1, "reflectance", problem.bands);
   check(problem.emission, values, largest, "emission", problem.bands);
   if (!problem.irradiance.empty()) check(problem.irradiance, values, largest, "irradiance", problem.bands);
+  if (!problem.specular_irradiance.empty()) {
+    check(problem.specular_irradiance, values, largest, "specular irradiance", problem.bands);
+  }
+  if (problem.specular &&
+      (problem.bands != SpecularTransport::bands || problem.specular->rows() != problem.element_count())) {
+    throw std::invalid_argument("light by way of mirrors and glass was computed for other elements than the problem's");
+  }
   if (!problem.light_power.empty()) check(problem.light_power, problem.bands, largest, "light power", problem.bands);
 }
 

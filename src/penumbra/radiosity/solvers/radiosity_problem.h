@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "penumbra/radiosity/patch_mesh.h"
+#include "penumbra/radiosity/specular_transport.h"
 
 namespace penumbra {
 
@@ -25,11 +27,19 @@ struct RadiosityProblem {
   /// A_i H_i.
   std::vector<double> light_power;
 
+  /// Light by way of mirrors and glass, H_i += sum_j X_ij B_j; none: there is none, or it is left out. With it an
+  /// element that only mirrors or transmits has reflectance 0: what it passes on arrives by this matrix.
+  std::shared_ptr<const SpecularTransport> specular;
+  std::vector<double> specular_irradiance;  ///< what the other lights bring that way, W/m^2; empty: nothing
+
   [[nodiscard]] std::size_t element_count() const { return areas.size(); }
 };
 
 /// An element for each surface of the mesh, with its reflectance and emission.
 [[nodiscard]] RadiosityProblem make_radiosity_problem(const PatchMesh& mesh);
+
+/// H: irradiance of the other lights, straight and by way of mirrors and glass; empty without.
+[[nodiscard]] std::vector<double> irradiance_of_lights(const RadiosityProblem& problem);
 
 /// Throws std::invalid_argument when an array has the wrong length or a value is out of range.
 void validate(const RadiosityProblem& problem);

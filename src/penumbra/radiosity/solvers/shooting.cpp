@@ -20,7 +20,9 @@ class ShootingState {
  public:
   ShootingState(const RadiosityProblem& problem, std::size_t at_once)
       : problem_(problem), bands_(problem.bands), rows_(at_once), sent_(at_once * problem.bands) {
-    irradiance_ = problem.irradiance.empty() ? std::vector<double>(problem.emission.size(), 0.0) : problem.irradiance;
+    irradiance_ = irradiance_of_lights(problem);
+    irradiance_.resize(problem.emission.size(), 0.0);
+    if (problem.specular) specular_ = transposed(*problem.specular);
     radiosity_ = problem.emission;
     for (std::size_t k = 0; k < radiosity_.size(); ++k) radiosity_[k] += problem.reflectance[k] * irradiance_[k];
     unshot_ = radiosity_;
@@ -36,27 +38,16 @@ class ShootingState {
   [[nodiscard]] double residual_bound() const { return residual_bound_; }
   [[nodiscard]] double relative_residual() const { return largest_source_ > 0 ? residual_bound_ / largest_source_ : 0; }
 
-  /// The elements of most unshot energy, at most `most`, the greatest first.
-  [[nodiscard]] std::vector<std::uint32_t> choose(std::size_t most) const {
-    const double least = 0.25 * *std::max_element(energy_.begin(), energy_.end());
-    std::vector<std::uint32_t> chosen;
-    for (std::uint32_t i = 0; i < energy_.size(); ++i) {
-      if (energy_[i] > 0 && energy_[i] >= least) chosen.push_back(i);
-    }
-    const auto before = [&](std::uint32_t a, std::uint32_t b) {
-      return energy_[a] != energy_[b] ? energy_[a] > energy_[b] : a < b;
-    };
-    const std::size_t count = std::min(most, chosen.size());
-    std::partial_sort(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(count), chosen.end(), before);
-    chosen.resize(count);
-    return chosen;
-  }
+  [[nodiscard]] const std::vector<double>& energy() const { return energy_; }
 
   void shoot(const std::vector<std::uint32_t>& shooters, const FactorRowSource& source) {
     parallel_for(shooters.size(), 1, [&](std::size_t k, std::size_t) { source.read(shooters[k], rows_[k]); });
     for (std::size_t k = 0; k < shooters.size(); ++k) take_out(shooters[k], k);
     parallel_for(problem_.element_count(), receivers_a_task, [&](std::size_t first, std::size_t last) {
-      for (std::size_t k = 0; k < shooters.size(); ++k) receive(k, first, last);
+      for (std::size_t k = 0; k < shooters.size(); ++k) {
+        receive(k, first, last);
+        if (problem_.specular) receive_by_mirrors(shooters[k], k, first, last);
+      }
     });
     weigh();
   }
@@ -65,7 +56,11 @@ class ShootingState {
     RadiositySolution solution;
     solution.energy.emitted = emitted_power(problem_);
     solution.energy.absorbed = absorbed_power(problem_, irradiance_);
-    solution.energy.escaped = escaped_;
+    std::vector<double> shot = radiosity_;
+    for (std::size_t k = 0; k < shot.size(); ++k) shot[k] -= unshot_[k];
+    const SpecularFlow flow = specular_flow(problem_, shot);
+    solution.energy.absorbed -= flow.arrived + flow.left;
+    solution.energy.escaped = escaped_ + flow.left;
     solution.energy.unshot = unshot_power_;
     solution.unshot_fraction = solution.energy.emitted > 0 ? unshot_power_ / solution.energy.emitted : 0;
     const double most =
@@ -97,14 +92,28 @@ class ShootingState {
       const std::size_t j = row.columns[k];
       if (j >= last) break;
       const double share = row.factors[k] / problem_.areas[j];
+      for (std::size_t b = 0; b < bands_; ++b) add(j * bands_ + b, share * sent_[place * bands_ + b]);
+    }
+  }
+
+  // The same by way of mirrors and glass.
+  void receive_by_mirrors(std::uint32_t shooter, std::size_t place, std::size_t first, std::size_t last) {
+    const auto columns = specular_.row_columns(shooter);
+    const auto begin = std::lower_bound(columns.begin(), columns.end(), static_cast<std::uint32_t>(first));
+    for (auto k = static_cast<std::size_t>(begin - columns.begin()); k < columns.size() && columns[k] < last; ++k) {
+      const float* const values = &specular_.values[bands_ * (specular_.offsets[shooter] + k)];
       for (std::size_t b = 0; b < bands_; ++b) {
-        const double received = share * sent_[place * bands_ + b];
-        const double reflected = problem_.reflectance[j * bands_ + b] * received;
-        irradiance_[j * bands_ + b] += received;
-        radiosity_[j * bands_ + b] += reflected;
-        unshot_[j * bands_ + b] += reflected;
+        add(columns[k] * bands_ + b,
+            static_cast<double>(values[b]) * sent_[place * bands_ + b] / problem_.areas[shooter]);
       }
     }
+  }
+
+  void add(std::size_t value, double received) {
+    const double reflected = problem_.reflectance[value] * received;
+    irradiance_[value] += received;
+    radiosity_[value] += reflected;
+    unshot_[value] += reflected;
   }
 
   void weigh() {
@@ -130,6 +139,7 @@ class ShootingState {
   std::size_t bands_;
   std::vector<double> radiosity_, irradiance_, unshot_;
   std::vector<double> energy_;  ///< unshot, W, a value an element
+  SpecularTransport specular_;  ///< by shooters
   std::vector<FactorRow> rows_;
   std::vector<double> sent_;  ///< W, [place * bands + band]
   double largest_source_ = 0;
@@ -139,6 +149,22 @@ class ShootingState {
 };
 
 }  // namespace
+
+std::vector<std::uint32_t> choose_shooters(std::span<const double> energy, std::size_t most) {
+  if (energy.empty()) return {};
+  const double least = 0.25 * *std::max_element(energy.begin(), energy.end());
+  std::vector<std::uint32_t> chosen;
+  for (std::uint32_t i = 0; i < energy.size(); ++i) {
+    if (energy[i] > 0 && energy[i] >= least) chosen.push_back(i);
+  }
+  const auto before = [&](std::uint32_t a, std::uint32_t b) {
+    return energy[a] != energy[b] ? energy[a] > energy[b] : a < b;
+  };
+  const std::size_t count = std::min(most, chosen.size());
+  std::partial_sort(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(count), chosen.end(), before);
+  chosen.resize(count);
+  return chosen;
+}
 
 RadiositySolution solve_shooting(const RadiosityProblem& problem, const FactorRowSource& rows,
                                  const SolverOptions& options, const ShootingOptions& shooting) {
@@ -154,7 +180,9 @@ RadiositySolution solve_shooting(const RadiosityProblem& problem, const FactorRo
   const double emitted = emitted_power(problem);
   while (course.goes_on()) {
     std::vector<std::uint32_t> shooters;
-    if (state.unshot_power() > 0) shooters = state.choose(std::min(shooting.at_once, course.left()));
+    if (state.unshot_power() > 0) {
+      shooters = choose_shooters(state.energy(), std::min(shooting.at_once, course.left()));
+    }
     state.shoot(shooters, rows);
     course.note(std::max<std::size_t>(shooters.size(), 1), state.relative_residual(),
                 emitted > 0 ? 1 - state.unshot_power() / emitted : 1, state.radiosity(), state.unshot());

@@ -1,12 +1,19 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 #include "penumbra/radiosity/solvers/factor_rows.h"
 #include "penumbra/radiosity/solvers/radiosity_problem.h"
 #include "penumbra/radiosity/solvers/radiosity_solution.h"
 
 namespace penumbra {
+
+/// The elements that should shoot next: those of most unshot energy (W, >= 0), the greatest first (ties by number), at
+/// most `most` and none with less than a quarter of the greatest.
+[[nodiscard]] std::vector<std::uint32_t> choose_shooters(std::span<const double> energy, std::size_t most);
 
 struct ShootingOptions {
   /// Shooters whose rows are computed at once. The result depends on it, on threads or ranks it does not.

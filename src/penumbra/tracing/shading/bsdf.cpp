@@ -353,6 +353,22 @@ Rgb Bsdf::diffuse_reflectance() const {
   return diffuse_colour_ * remaining_ * static_cast<float>(1 - layer_albedo(1, ideal_));
 }
 
+Rgb Bsdf::diffuse_albedo(const Vec3d& wo) const {
+  const double cosine = std::min(1.0, std::abs(glm::dot(wo, frame_.normal)));
+  const double below = material_.ior == 0 ? hiding_ : layer_albedo(cosine, ideal_);
+  return diffuse_colour_ * remaining_ * static_cast<float>(1 - below);
+}
+
+Rgb Bsdf::share_of_base() const {
+  return remaining_ * static_cast<float>(material_.ior == 0 ? 1 - hiding_ : open_mean_);
+}
+
+Bsdf Bsdf::without_base() const {
+  Bsdf gloss = *this;
+  gloss.diffuse_colour_ = Rgb(0);
+  return gloss;
+}
+
 bool Bsdf::has_spread() const { return !is_black(diffuse_colour_) || (has_specular_ && !ideal_); }
 
 }  // namespace penumbra

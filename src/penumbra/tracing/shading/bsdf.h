@@ -66,6 +66,12 @@ class Bsdf {
 
   /// Diffuse reflectance under normal incidence, 0..1: what ambient light is multiplied by, and the albedo layer.
   [[nodiscard]] Rgb diffuse_reflectance() const;
+  /// Diffuse reflectance of light that comes from everywhere alike, towards `wo`: what irradiance is multiplied by.
+  [[nodiscard]] Rgb diffuse_albedo(const Vec3d& wo) const;
+  /// What mirror and layer leave to the Lambertian base, 0..1: the mean over all directions.
+  [[nodiscard]] Rgb share_of_base() const;
+  /// The same without its Lambertian base: the gloss alone.
+  [[nodiscard]] Bsdf without_base() const;
   /// Unit; the |cos| of f |cos| is taken about it.
   [[nodiscard]] const Vec3d& shading_normal() const { return frame_.normal; }
   /// Whether any lobe has spread, so that shadow rays can bring light.

@@ -1,7 +1,10 @@
-#include "penumbra/io/shape_mesh.h"
+#include "penumbra/scene/shape_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include "penumbra/math/frame.h"
 
@@ -111,6 +114,41 @@ Mat4d placement(const Plane& plane, const Vec3d& around_point, double half) {
   const Frame frame(plane.normal);
   const Vec3d centre = around_point - dot(around_point - plane.point, plane.normal) * plane.normal;
   return standing(half * frame.tangent, half * frame.bitangent, frame.normal, centre);
+}
+
+Mesh unit_mesh(const Shape& shape) {
+  static constexpr Mesh (*makers[])() = {unit_sphere_mesh, unit_disk_mesh, unit_cylinder_mesh, unit_square_mesh};
+  return makers[shape.index()]();
+}
+
+PlaneCut plane_cut(const Scene& scene) {
+  Bounds bounds = scene.bounds();
+  for (const Camera& camera : scene.cameras) bounds.grow(Vec3d(camera.to_world[3]));
+  if (bounds.empty()) return {};
+  return {bounds.centre(), std::max(50.0, std::ceil(5 * bounds.diagonal()))};
+}
+
+Mat4d placement(const Shape& shape, const PlaneCut& cut) {
+  if (const auto* plane = std::get_if<Plane>(&shape)) return placement(*plane, cut.centre, cut.half);
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return placement(*sphere);
+  if (const auto* disk = std::get_if<Disk>(&shape)) return placement(*disk);
+  return placement(std::get<Cylinder>(shape));
+}
+
+Scene tessellated(Scene scene) {
+  const PlaneCut cut = plane_cut(scene);
+  std::map<std::pair<std::size_t, std::uint32_t>, std::uint32_t> mesh_of;  // by kind and material
+  for (const ShapeObject& object : scene.shapes) {
+    const auto [mesh, fresh] =
+        mesh_of.try_emplace({object.shape.index(), object.material}, static_cast<std::uint32_t>(scene.meshes.size()));
+    if (fresh) {
+      scene.meshes.push_back(unit_mesh(object.shape));
+      scene.meshes.back().materials = {object.material};
+    }
+    scene.instances.push_back({.name = object.name, .mesh = mesh->second, .to_world = placement(object.shape, cut)});
+  }
+  scene.shapes.clear();
+  return scene;
 }
 
 }  // namespace penumbra

@@ -1,0 +1,114 @@
+#include "penumbra/baking/straight_light.h"
+
+#include <algorithm>
+#include <array>
+
+#include "penumbra/math/frame.h"
+#include "penumbra/radiosity/meshing/element_builder.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t most_lamps = 64;
+constexpr int shape_segments = 32;
+/// Places belong to one plane when they lie within this share of their reach of it.
+constexpr double flatness = 1e-4;
+
+/// The corners of a rectangle around coplanar places; nothing when they are not coplanar.
+bool rectangle_around(std::span<const Place> places, double reach, std::array<Vec3d, 4>& corners) {
+  const Place& first = places[0];
+  const Frame frame(first.normal);
+  Vec2d least(0), most(0);
+  for (const Place& p : places) {
+    const Vec3d local = frame.to_local(p.position - first.position);
+    if (dot(p.normal, first.normal) < 1 - 1e-9 || std::abs(local.z) > flatness * reach) return false;
+    least = glm::min(least, Vec2d(local));
+    most = glm::max(most, Vec2d(local));
+  }
+  least -= reach, most += reach;
+  const auto corner = [&](double x, double y) { return first.position + frame.to_world({x, y, 0}); };
+  corners = {corner(least.x, least.y), corner(most.x, least.y), corner(most.x, most.y), corner(least.x, most.y)};
+  return true;
+}
+
+}  // namespace
+
+StraightLight::StraightLight(const LightmapAtlas& atlas, bool front_sides_only)
+    : atlas_(atlas),
+      faces_(make_element_faces(atlas.scene, front_sides_only ? PatchSides::front : PatchSides::both, shape_segments)
+                 .mesh) {
+  choose_lamps(front_sides_only);
+  for (const Lamp& lamp : light_->lamps()) hard_shadows_ = hard_shadows_ || lamp.kind != Lamp::Kind::patch;
+}
+
+void StraightLight::choose_lamps(bool front_sides_only) {
+  const Scene& scene = atlas_.scene;
+  straight_.of_triangle.assign(atlas_.first_triangle.back(), 0);
+  // The triangles of each input face.
+  std::vector<std::uint32_t> first_face{0};
+  for (const Instance& i : scene.instances) {
+    first_face.push_back(first_face.back() + static_cast<std::uint32_t>(scene.meshes[i.mesh].face_count()));
+  }
+  std::vector<std::uint32_t> material_of_face(first_face.back(), 0);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const std::uint32_t face = mesh.face_of_triangle.empty() ? t : mesh.face_of_triangle[t];
+      material_of_face[first_face[i] + face] = mesh.material_of(t);
+    }
+  }
+  for (std::size_t s = 0; s < faces_.surface_count(); ++s) {
+    const PatchSurface& surface = faces_.surfaces[s];
+    const Material& m = scene.materials[material_of_face[surface.face]];
+    const bool even = !m.emission_texture && !m.unlit && m.alpha_mode == AlphaMode::opaque;
+    if (even && !(front_sides_only && surface.back)) continue;
+    for (std::size_t b = 0; b < 3; ++b) faces_.emission[3 * s + b] = 0;
+  }
+  std::vector<std::size_t> patches(faces_.surface_count(), 0);
+  for (std::size_t p = 0; p < faces_.radiating_count; ++p) ++patches[faces_.surface_of[p]];
+  // A face counts with all of its patches or not at all.
+  while (true) {
+    light_ = std::make_unique<LampIrradiance>(scene, faces_, most_lamps);
+    std::vector<std::size_t> chosen(faces_.surface_count(), 0);
+    for (const Lamp& lamp : light_->lamps()) {
+      if (lamp.kind == Lamp::Kind::patch) ++chosen[faces_.surface_of[lamp.patch]];
+    }
+    bool whole = true;
+    for (std::size_t s = 0; s < chosen.size(); ++s) {
+      if (chosen[s] == 0 || chosen[s] == patches[s]) continue;
+      whole = false;
+      for (std::size_t b = 0; b < 3; ++b) faces_.emission[3 * s + b] = 0;
+    }
+    if (!whole) continue;
+    std::vector<std::uint8_t> of_face(first_face.back(), 0);
+    for (std::size_t s = 0; s < chosen.size(); ++s) {
+      if (chosen[s] > 0) of_face[faces_.surfaces[s].face] |= faces_.surfaces[s].back ? 2 : 1;
+    }
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+      const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const std::uint32_t face = mesh.face_of_triangle.empty() ? t : mesh.face_of_triangle[t];
+        straight_.of_triangle[atlas_.first_triangle[i] + t] = of_face[first_face[i] + face];
+      }
+    }
+    return;
+  }
+}
+
+void StraightLight::at(std::span<const Place> places, double reach, std::span<Vec3d> irradiance) const {
+  std::array<Vec3d, 4> corners;
+  if (rectangle_around(places, reach, corners)) {
+    const LampIrradiance::View view = light_->view(corners);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      irradiance[k] = view.is_lit() ? view.at(places[k].position) : Vec3d(0);
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    rectangle_around(places.subspan(k, 1), reach, corners);
+    const LampIrradiance::View view = light_->view(corners);
+    irradiance[k] = view.is_lit() ? view.at(places[k].position) : Vec3d(0);
+  }
+}
+
+}  // namespace penumbra

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "penumbra/baking/sample_points.h"
+#include "penumbra/baking/texel_rays.h"
+#include "penumbra/radiosity/meshing/lamp_irradiance.h"
+#include "penumbra/radiosity/patch_mesh.h"
+
+namespace penumbra {
+
+/// Light straight from lamps: the emissive faces without a texture that emit most, points, spots and far lights.
+///
+/// Exact, with every face opaque (LampIrradiance); where surfaces have holes or are half transparent, by shadow rays.
+class StraightLight {
+ public:
+  /// The atlas must outlive this. @param front_sides_only backs do not emit.
+  StraightLight(const LightmapAtlas& atlas, bool front_sides_only);
+
+  [[nodiscard]] const StraightLamps& lamps() const { return straight_; }
+  [[nodiscard]] bool is_dark() const { return light_->lamps().empty(); }
+  /// Whether shadows have no penumbra: there are points, spots or far lights.
+  [[nodiscard]] bool has_hard_shadows() const { return hard_shadows_; }
+
+  /// Irradiance at places close together, W/m^2. @param reach how far around each the surface belongs to it, m.
+  void at(std::span<const Place> places, double reach, std::span<Vec3d> irradiance) const;
+
+ private:
+  void choose_lamps(bool front_sides_only);
+
+  const LightmapAtlas& atlas_;
+  PatchMesh faces_;
+  std::unique_ptr<LampIrradiance> light_;
+  StraightLamps straight_;
+  bool hard_shadows_ = false;
+};
+
+}  // namespace penumbra
