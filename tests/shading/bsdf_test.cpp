@@ -185,6 +185,26 @@ TEST(Bsdf, NeverReflectsMoreThanArrives) {
 }
 
 /// The white furnace: what the layer does not reflect, a white base under it does, at every angle and roughness.
+// In a furnace a white metal of any roughness is not to be seen.
+TEST(Bsdf, AWhiteMetalLosesNothing) {
+  for (const float roughness : {0.2F, 0.4F, 0.6F, 0.8F, 1.0F}) {
+    const Bsdf bsdf = flat(metal(Rgb(1), roughness));
+    for (const double cosine : {0.1, 0.3, 0.6, 1.0}) {
+      const Furnace f = furnace_by_quadrature(bsdf, direction(cosine), 512);
+      EXPECT_NEAR(f.spread.x, 1, 6e-3) << roughness << " " << cosine;
+    }
+  }
+}
+
+// Coloured metals grow more saturated as they grow rougher: light that bounces twice is tinted twice.
+TEST(Bsdf, RoughMetalsAreTintedMoreNotLess) {
+  const Rgb gold(1.0F, 0.7F, 0.3F);
+  const Furnace smooth = furnace_by_quadrature(flat(metal(gold, 0.3F)), direction(0.7), 512);
+  const Furnace rough = furnace_by_quadrature(flat(metal(gold, 1.0F)), direction(0.7), 512);
+  EXPECT_NEAR(rough.spread.x, 1, 6e-3);
+  EXPECT_LT(rough.spread.z / rough.spread.x, smooth.spread.z / smooth.spread.x);
+}
+
 TEST(Bsdf, AWhiteBaseUnderALayerLosesNothing) {
   for (const float ior : {1.0F, 1.33F, 1.5F, 2.5F}) {
     for (const float specular : {0.3F, 1.0F}) {

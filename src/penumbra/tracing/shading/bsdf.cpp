@@ -52,6 +52,15 @@ Bsdf::Bsdf(const SurfaceMaterial& material, const Frame& shading, const Vec3d& g
   has_specular_ = metal_ > 0 || transparent_ > 0 || material_.specular > 0;
   ideal_transmission_ = ideal_ || (!material_.thin_walled && !bends());
 
+  if (metal_ > 0 && !ideal_) {
+    lost_mean_ = 1 - specular_albedo_mean(material_.roughness).of(1, 1);
+    // The geometric series of Kulla & Conty 2017: each further bounce loses by the mean Fresnel term and is let out by
+    // the mean albedo.
+    const Rgb f = metal_mean_reflectance();
+    const auto out = static_cast<float>(1 - lost_mean_);
+    metal_again_ = metal_ * f * f * out / (Rgb(1) - f * (1 - out));
+  }
+
   if (!is_black(material_.mirror)) {
     for (int band = 0; band < 3; ++band) {
       const float most = has_specular_ ? 1.0F : diffuse_colour_[band];
@@ -96,6 +105,22 @@ Rgb Bsdf::metal_reflectance(double cos_theta) const {
   }
   const auto edge = static_cast<float>(fresnel_schlick(cos_theta, 0, 1));
   return material_.base_colour + (Rgb(1.0F) - material_.base_colour) * edge;
+}
+
+// 2 * integral of F(c) c dc: exact for Schlick's term; by Gauss and Legendre's rule of four points in c for a
+// conductor.
+Rgb Bsdf::metal_mean_reflectance() const {
+  if (!material_.conductor) return material_.base_colour + (Rgb(1) - material_.base_colour) / 21.0F;
+  constexpr double nodes[] = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
+  constexpr double weights[] = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
+  Rgb sum(0);
+  for (int k = 0; k < 4; ++k) sum += static_cast<float>(2 * weights[k] * nodes[k]) * metal_reflectance(nodes[k]);
+  return glm::min(sum, Rgb(1));
+}
+
+/// The share of light that leaves no facet at its first bounce, if none is absorbed.
+double Bsdf::lost_once(double cos_theta) const {
+  return std::max(0.0, 1 - specular_albedo(material_.roughness, cos_theta).of(1, 1));
 }
 
 Bsdf::Interface Bsdf::interface(double cos_theta, bool from_front) const {
@@ -150,7 +175,12 @@ Rgb Bsdf::glossy(const Pair& pair) const {
   const Ggx ggx(alpha_);
   const Vec3d h = glm::normalize(pair.wo + pair.wi);
   const double spread = ggx.distribution(h) * ggx.masking_shadowing(pair.wo, pair.wi) / (4 * pair.wo.z * pair.wi.z);
-  return specular_reflectance(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front) * static_cast<float>(spread);
+  Rgb f = specular_reflectance(std::min(1.0, glm::dot(pair.wo, h)), pair.from_front) * static_cast<float>(spread);
+  if (lost_mean_ > 0) {
+    const double again = lost_once(pair.wo.z) * lost_once(pair.wi.z) / (pi * lost_mean_);
+    f += metal_again_ * remaining_ * static_cast<float>(again);
+  }
+  return f;
 }
 
 Bsdf::Refraction Bsdf::refraction(const Pair& pair) const {
@@ -212,6 +242,7 @@ Bsdf::LobeChoice Bsdf::lobe_choice(const Vec3d& wo, bool from_front) const {
   }
   const double below = material_.ior == 0 ? hiding_ : layer_albedo(wo.z, ideal_);
   choice.diffuse = mean(diffuse_colour_ * remaining_) * (1 - below);
+  if (lost_mean_ > 0) choice.diffuse += mean(metal_again_ * remaining_) * lost_once(wo.z);
   const double sum = choice.mirror + choice.refraction + choice.facet + choice.diffuse;
   if (!(sum > 0)) return {};
   return {choice.mirror / sum, choice.refraction / sum, choice.facet / sum, choice.diffuse / sum};

@@ -31,7 +31,9 @@ struct SpecularSplit {
 /// reflects more than arrives.
 ///
 /// The lobes, after glTF 2.0 with KHR_materials_{specular, ior, transmission}: three shares that sum to 1,
-///   metal        metallic: GGX with Schlick's Fresnel term, or the exact one of a conductor;
+///   metal        metallic: GGX with Schlick's Fresnel term, or the exact one of a conductor; light that microfacets
+///                scatter more than once comes out as a matt lobe (Kulla & Conty, "Revisiting Physically Based
+///                Shading at Imageworks", SIGGRAPH 2017 course), so that a white metal loses nothing;
 ///   opaque       (1 - metallic)(1 - transmission): a Lambertian base under a GGX layer with Schlick's Fresnel term.
 ///   The
 ///                base gets what the layer leaves, in the reciprocal form (1 - E(wo))(1 - E(wi))/(1 - mean E) of
@@ -41,7 +43,7 @@ struct SpecularSplit {
 ///                colour on the way through; solid (Walter et al. 2007) or a thin plate that does not bend rays;
 /// and Whitted's constant mirror on top, which takes from the others only where the sum would exceed 1. GGX narrower
 /// than `ideal_alpha` is an ideal mirror or refraction. Light scattered more than once between microfacets is lost from
-/// the metal and transparent shares. Directions must lie on the same side of both the shading and the geometric normal,
+/// the transparent share. Directions must lie on the same side of both the shading and the geometric normal,
 /// else nothing passes.
 class Bsdf {
  public:
@@ -121,6 +123,8 @@ class Bsdf {
 
   [[nodiscard]] Rgb diffuse(const Pair& pair, bool ideal_layer) const;
   [[nodiscard]] Rgb glossy(const Pair& pair) const;
+  [[nodiscard]] Rgb metal_mean_reflectance() const;
+  [[nodiscard]] double lost_once(double cos_theta) const;
   [[nodiscard]] Refraction refraction(const Pair& pair) const;
   [[nodiscard]] Rgb rough_transmission(const Pair& pair) const;
   [[nodiscard]] Rgb evaluate_lobes(const Pair& pair, bool with_glossy, bool ideal_layer) const;
@@ -157,6 +161,8 @@ class Bsdf {
   double layer_f0_ = 0;    ///< the largest band of it
   double hiding_ = 0;      ///< share of the base that a layer of index 0, Fresnel term 1, hides at every angle
   double open_mean_ = 1;   ///< 1 - mean layer albedo
+  Rgb metal_again_{0};     ///< of the light that leaves no metal facet at first, what comes out after all
+  double lost_mean_ = 0;   ///< mean of lost_once over the hemisphere by projected solid angle
   Rgb diffuse_colour_{0};  ///< Lambertian base of the opaque share
 };
 
