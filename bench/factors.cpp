@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "bench_arguments.h"
 #include "penumbra/math/rng.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/form_factors/auto.h"
@@ -298,32 +299,19 @@ std::vector<std::string> split_list(const std::string& text) {
 
 Arguments parse(int count, char** values) {
   Arguments a;
-  for (int k = 1; k < count; ++k) {
-    const std::string key = values[k];
-    const auto value = [&]() -> std::string {
-      if (k + 1 >= count) throw std::invalid_argument(key + " needs a value");
-      return values[++k];
-    };
-    if (key == "--json")
-      a.json = value();
-    else if (key == "--quick")
-      a.quick = true;
-    else if (key == "--tolerance")
-      a.tolerance = std::stod(value());
-    else if (key == "--no-reference")
-      a.reference = false;
-    else if (key == "--methods")
-      a.methods = split_list(value());
-    else if (key == "--sizes") {
-      for (const std::string& s : split_list(value())) a.sizes.push_back(std::stoi(s));
-    } else if (key == "--loose-sizes") {
-      for (const std::string& s : split_list(value())) a.loose_sizes.push_back(std::stoi(s));
-    } else {
-      throw std::invalid_argument(
-          "unknown option " + key +
-          "; known: --json FILE --quick --tolerance X --sizes n,n --loose-sizes n,n --methods a,b --no-reference");
-    }
-  }
+  bench::BenchArguments command_line;
+  command_line.add("--tolerance", "X", [&](const std::string& v) { a.tolerance = std::stod(v); });
+  command_line.add("--sizes", "n,n", [&](const std::string& v) {
+    for (const std::string& size : split_list(v)) a.sizes.push_back(std::stoi(size));
+  });
+  command_line.add("--loose-sizes", "n,n", [&](const std::string& v) {
+    for (const std::string& size : split_list(v)) a.loose_sizes.push_back(std::stoi(size));
+  });
+  command_line.add("--methods", "a,b", [&](const std::string& v) { a.methods = split_list(v); });
+  command_line.add_flag("--no-reference", [&] { a.reference = false; });
+  command_line.parse(count, values);
+  a.json = command_line.json;
+  a.quick = command_line.quick;
   if (a.methods.empty())
     for (std::string_view name : form_factor_method_names()) a.methods.emplace_back(name);
   if (a.sizes.empty()) a.sizes = a.quick ? std::vector<int>{4, 8, 16} : std::vector<int>{4, 8, 12, 16, 24, 32, 48};

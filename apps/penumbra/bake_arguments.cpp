@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "lightmap_bake.h"
 #include "penumbra/file/output_file.h"
 #include "report.h"
 #include "usage_error.h"
@@ -12,7 +13,8 @@ namespace penumbra::cli {
 namespace {
 
 constexpr double most_stops = 64;
-const std::vector<std::pair<std::string, std::string>> profiles{{"vertex", "vertex"}};
+const std::vector<std::pair<std::string, std::string>> profiles{
+    {"unlit", "unlit"}, {"hdr", "hdr"}, {"lightmap", "lightmap"}, {"vertex", "vertex"}};
 
 void check_output(const BakeArguments& a) {
   if (a.output.empty()) throw UsageError("no file to write to; add -o OUT, such as -o solution.npz or -o lit.glb");
@@ -31,6 +33,61 @@ void check_output(const BakeArguments& a) {
     throw UsageError("--stats and -o both name " + a.output + "; give the report a name of its own");
   }
   check_creatable(a.output);
+}
+
+void check_lightmap(const BakeArguments& a) {
+  if (!a.makes_lightmap()) {
+    if (a.lightmap_size || a.texels_per_metre || a.noise) {
+      throw UsageError(fmt::format("--{} belongs to a .glb with --profile unlit, hdr or lightmap",
+                                   a.lightmap_size      ? "lightmap-size"
+                                   : a.texels_per_metre ? "texels-per-metre"
+                                                        : "noise"));
+    }
+    return;
+  }
+  if (a.lightmap_size && a.texels_per_metre) {
+    throw UsageError("--lightmap-size and --texels-per-metre follow from each other; give one of them");
+  }
+  if (a.radiosity.given) {
+    throw UsageError(
+        "the options of the radiosity solver belong to --profile vertex and to .npz, .csv, .ply and .vtu; "
+        "the light of a texture is found texel by texel");
+  }
+  if (a.snapshots) throw UsageError("--snapshots belongs to --profile vertex and to .npz, .csv, .ply and .vtu");
+  if (a.profile != "lightmap") return;
+  if (a.exposure)
+    throw UsageError("--exposure does not apply to --profile lightmap, which holds the values themselves");
+  check_creatable(lightmap_picture_name(a.output));
+  check_creatable(lightmap_description_name(a.output));
+  if (a.common.stats == lightmap_description_name(a.output)) {
+    throw UsageError("--stats names " + *a.common.stats +
+                     ", which describes the lightmap; give the report another name");
+  }
+}
+
+void add_lightmap_options(OptionParser& parser, BakeArguments& a) {
+  parser.group("Texture of a .glb");
+  parser.value("--lightmap-size", "PX", "texels along the longer side, a multiple of 4 up to 16384 (default: 1024)",
+               [&](const OptionValue& v) {
+                 a.lightmap_size = static_cast<int>(whole_number(v, 4, 16384, "texels"));
+                 if (*a.lightmap_size % 4 != 0) {
+                   throw UsageError("--lightmap-size takes a multiple of 4 texels, not " + v.text);
+                 }
+               });
+  parser.value("--texels-per-metre", "X", "make the texture as large as this density needs, texels a metre",
+               [&](const OptionValue& v) {
+                 a.texels_per_metre = real_number(v, "a positive number of texels a metre");
+                 if (!(*a.texels_per_metre > 0)) {
+                   throw UsageError("--texels-per-metre takes a positive number, not '" + v.text + "'");
+                 }
+               });
+  parser.value("--noise", "R", "RMS error of the light to aim at, relative to each surface's mean (default: 0.01)",
+               [&](const OptionValue& v) {
+                 a.noise = real_number(v, "a number between 0 and 1");
+                 if (!(*a.noise > 0 && *a.noise < 1)) {
+                   throw UsageError("--noise takes a number between 0 and 1, not '" + v.text + "'");
+                 }
+               });
 }
 
 void add_snapshot_options(OptionParser& parser, BakeArguments& a) {
@@ -69,6 +126,11 @@ void check_snapshots(const BakeArguments& a) {
 
 }  // namespace
 
+bool BakeArguments::makes_lightmap() const {
+  if (std::filesystem::path(output).extension() != ".glb") return false;
+  return profile ? *profile != "vertex" : !radiosity.given && !snapshots;
+}
+
 std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>& arguments) {
   BakeArguments result;
   OptionParser parser("bake", "SCENE -o OUT [options]", "solves the diffuse light of a scene once, for every view");
@@ -77,10 +139,13 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
                "the file to write: .npz or .csv (the solution, a row for each side of an element), .ply or .vtu (the "
                "elements with their values), or .glb (for viewers)",
                [&](const OptionValue& v) { result.output = v.text; });
-  parser.value("--profile", "vertex",
-               "how a .glb carries the light: vertex is radiance B / pi as linear vertex colours of unlit materials "
-               "(default: vertex)",
-               [&](const OptionValue& v) { result.profile = choice<std::string>(v, profiles); });
+  parser.value(
+      "--profile", "unlit|hdr|lightmap|vertex",
+      "how a .glb carries the light: unlit is a texture of albedo times light, cut at 1, that every viewer "
+      "shows; hdr the same as emission, not cut; lightmap leaves the materials and adds a texture of irradiance "
+      "(and OUT-lightmap.exr, OUT-lightmap.json); vertex is radiance B / pi as vertex colours of the elements "
+      "(default: unlit, or vertex where options of the solver or of snapshots are given)",
+      [&](const OptionValue& v) { result.profile = choice<std::string>(v, profiles); });
   parser.value("--exposure", "EV",
                "brighten colours by this many stops, a factor of 2 each, before they are cut at 1 (default: 0)",
                [&](const OptionValue& v) {
@@ -89,16 +154,18 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
                    throw UsageError("--exposure takes a number of stops (EV) from -64 to 64, not '" + v.text + "'");
                  }
                });
+  add_lightmap_options(parser, result);
   add_radiosity_options(parser, result.radiosity);
   add_snapshot_options(parser, result);
   add_scene_options(parser, result.scene);
   add_common_options(parser, result.common);
   parser.examples({"penumbra bake builtin:cornell-box --elements 10000 -o cornell.npz",
-                   "penumbra bake room.glb --solver progressive --profile vertex --exposure 1 -o lit.glb"});
+                   "penumbra bake room.glb --lightmap-size 2048 -o room-baked.glb"});
   if (!parser.parse(arguments)) return std::nullopt;
   check(result.scene);
   check(result.radiosity);
   check_output(result);
+  check_lightmap(result);
   check_snapshots(result);
   check_report(result.common);
   return result;

@@ -18,11 +18,17 @@ struct BakeArguments {
   std::string output;
   std::optional<double> exposure;  ///< stops (EV), of a .glb
   std::optional<std::string> profile;
-  std::optional<std::string> snapshots;  ///< a folder for a picture of each stage
+  std::optional<int> lightmap_size;        ///< texels
+  std::optional<double> texels_per_metre;  ///< of the lightmap
+  std::optional<double> noise;             ///< aimed at, of the lightmap, relative
+  std::optional<std::string> snapshots;    ///< a folder for a picture of each stage
   std::optional<std::size_t> snapshot_every;
   bool snapshot_meshes = false;
   CameraOptions camera;  ///< of the snapshots
   CommonOptions common;
+
+  /// Whether the light goes to a texture over the scene's own triangles, not to elements.
+  [[nodiscard]] bool makes_lightmap() const;
 };
 
 /// Reads and checks the arguments; none when the user asked for help. Throws UsageError, FileError.

@@ -8,6 +8,7 @@
 #include "console.h"
 #include "exit_code.h"
 #include "interrupt.h"
+#include "lightmap_bake.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "report.h"
 #include "snapshots.h"
@@ -153,7 +154,8 @@ int bake_scene(const BakeArguments& arguments) {
 
 int run_bake(const std::vector<std::string>& arguments) {
   const auto parsed = parse_bake_arguments(arguments);
-  return parsed ? bake_scene(*parsed) : exit_done;
+  if (!parsed) return exit_done;
+  return parsed->makes_lightmap() ? bake_lightmap(*parsed) : bake_scene(*parsed);
 }
 
 }  // namespace penumbra::cli

@@ -8,6 +8,8 @@
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/uniform.h"
 #include "penumbra/render/radiosity_view.h"
+#include "penumbra/render/solution_light.h"
+#include "penumbra/render/two_pass.h"
 #include "render_arguments.h"
 #include "report.h"
 #include "solution_file.h"
@@ -41,13 +43,28 @@ DiffuseSolution solve_for(const RenderArguments& arguments, const Scene& scene, 
   return diffuse_solution(scene, setup->mesh, solve(*setup, options).solution);
 }
 
-Drawn show_radiosity(const RenderArguments& arguments, const Scene& scene, const Camera& camera,
-                     const Progress& progress, Console& console) {
+/// A picture with the light of a solution.
+Drawn show_two_pass(const RenderArguments& arguments, const RayTracer& tracer, const DiffuseSolution& solution,
+                    const Camera& camera, const Progress& progress, const Stopwatch& watch) {
+  const MadePatchMesh faces = make_element_faces(tracer.scene(), PatchSides::both, MeshingOptions{}.shape_segments);
+  const LampIrradiance lamps(tracer.scene(), faces.mesh);
+  const SolutionLight light(tracer.scene(), solution.mesh, solution.irradiance, lamps);
+  Drawn drawn;
+  drawn.solve_seconds = watch.seconds();
+  drawn.result = render(tracer, light, camera, arguments.render, progress);
+  drawn.result.partial = drawn.result.partial || solution.partial;
+  return drawn;
+}
+
+Drawn show_solution(const RenderArguments& arguments, const RayTracer& tracer, const Camera& camera,
+                    const Progress& progress, Console& console) {
+  const Scene& scene = tracer.scene();
   const Stopwatch watch;
   const DiffuseSolution solution = solve_for(arguments, scene, progress, console);
   if (solution.partial) {
     console.insist("partial: the solution was stopped, light is missing");
   }
+  if (arguments.is_two_pass()) return show_two_pass(arguments, tracer, solution, camera, progress, watch);
   std::optional<MadePatchMesh> faces;
   std::optional<LampIrradiance> lamps;
   if (!arguments.flat && !solution.partial) {
@@ -70,7 +87,7 @@ Drawn draw(const RenderArguments& arguments, const RayTracer& tracer, const Came
   const Progress progress{[&](std::string_view stage, double fraction) { console.progress(stage, fraction); },
                           interrupt.token()};
   interrupt.something_to_keep();
-  if (arguments.shows_radiosity()) return show_radiosity(arguments, tracer.scene(), camera, progress, console);
+  if (arguments.needs_solution()) return show_solution(arguments, tracer, camera, progress, console);
   return {render(tracer, camera, arguments.render, progress), 0};
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <limits>
 
 #include "penumbra/radiosity/solvers/solver.h"
 #include "usage_error.h"
@@ -94,14 +95,28 @@ void add_factor_options(OptionParser& parser, RadiosityOptions& o) {
                });
 }
 
+void add_specular_option(OptionParser& parser, RadiosityOptions& o) {
+  parser.value(
+      "--specular-rays", "N",
+      "rays from each element to the mirrors, metals and glass that it sees, for light that comes that way; 0: "
+      "they absorb what they do not reflect diffusely (default: 256)",
+      [&](const OptionValue& v) {
+        o.specular_rays = static_cast<int>(whole_number(v, 0, 1 << 24, "rays an element"));
+        if (*o.specular_rays == 1) throw UsageError("--specular-rays takes 0, or 2 and more, not '1'");
+        o.given = true;
+      });
+}
+
 void add_iteration_options(OptionParser& parser, RadiosityOptions& o) {
-  parser.value("--tolerance", "R",
-               "stop when the largest residual is at most this share of the largest emission (default: 1e-4)",
-               [&](const OptionValue& v) {
-                 o.tolerance = real_number(v, "a number of 0 or more, such as 1e-4");
-                 if (*o.tolerance < 0) throw UsageError("--tolerance takes 0 or more, not '" + v.text + "'");
-                 o.given = true;
-               });
+  parser.value(
+      "--tolerance", "R",
+      "stop when the largest residual is at most this share of the largest emission (default: 1e-4, and no more "
+      "than 1e-4 of the emitted energy is unshot)",
+      [&](const OptionValue& v) {
+        o.tolerance = real_number(v, "a number of 0 or more, such as 1e-4");
+        if (*o.tolerance < 0) throw UsageError("--tolerance takes 0 or more, not '" + v.text + "'");
+        o.given = true;
+      });
   parser.value("--stop-at", "FRACTION",
                "stop when this share of the emitted energy was shot (shooting, progressive) (default: 0.9999)",
                [&](const OptionValue& v) {
@@ -137,6 +152,7 @@ void add_radiosity_options(OptionParser& parser, RadiosityOptions& o) {
   add_mesh_options(parser, o);
   add_contrast_option(parser, o);
   add_factor_options(parser, o);
+  add_specular_option(parser, o);
   add_iteration_options(parser, o);
 }
 
@@ -183,6 +199,7 @@ RadiositySetupOptions setup_options(const RadiosityOptions& o, bool front_sides_
   setup.factors.rays = o.rays.value_or(0);
   setup.factors.resolution = o.resolution.value_or(0);
   setup.solver = o.solver;
+  setup.specular_rays = o.specular_rays.value_or(setup.specular_rays);
   setup.factor_memory = share_of_free_memory * free_memory();
   setup.seed = seed;
   return setup;
@@ -191,6 +208,7 @@ RadiositySetupOptions setup_options(const RadiosityOptions& o, bool front_sides_
 SolverOptions solver_options(const RadiosityOptions& o) {
   SolverOptions solver;
   solver.tolerance = o.tolerance.value_or(solver.tolerance);
+  if (o.tolerance) solver.most_unshot = std::numeric_limits<double>::infinity();  // it alone was asked for
   solver.stop_at = o.stop_at.value_or(solver.stop_at);
   solver.max_iterations = o.max_iterations.value_or(0);
   return solver;

@@ -20,6 +20,7 @@ struct RadiosityOptions {
   std::optional<int> rays, resolution;
   std::optional<double> tolerance, stop_at;
   std::optional<std::size_t> max_iterations;
+  std::optional<int> specular_rays;
   bool given = false;  ///< any of these was given
 };
 

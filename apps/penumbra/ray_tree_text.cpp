@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "penumbra/radiosity/leaks/face_net.h"
 #include "penumbra/tracing/shading/light_sampling.h"
 
 namespace penumbra::cli {

@@ -20,6 +20,7 @@ const std::vector<std::pair<std::string, IntegratorKind>> integrators{
 const std::vector<std::pair<std::string, std::optional<IntegratorKind>>> integrator_choices = [] {
   std::vector<std::pair<std::string, std::optional<IntegratorKind>>> all(integrators.begin(), integrators.end());
   all.emplace_back("radiosity", std::nullopt);
+  all.emplace_back("two-pass", std::nullopt);
   return all;
 }();
 const std::vector<std::pair<std::string, FilterKind>> filters{{"box", FilterKind::box},
@@ -36,6 +37,7 @@ const std::vector<std::pair<std::string, Aov>> layers{
 struct Given {
   std::optional<int> samples, max_depth;
   std::optional<double> min_throughput;
+  std::optional<int> final_gather;
 };
 
 Region region(const OptionValue& value) {
@@ -88,7 +90,8 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
   parser.value(
       "--integrator", "NAME",
       "appel (primary and shadow rays), whitted (adds reflection and refraction), path (the reference: all light "
-      "paths) or radiosity (a diffuse solution, see below) (default: whitted)",
+      "paths), radiosity (a diffuse solution, see below) or two-pass (that light, and mirrors and glass) (default: "
+      "whitted)",
       [&](const OptionValue& v) {
         const auto kind = choice<std::optional<IntegratorKind>>(v, integrator_choices);
         options.integrator = kind.value_or(options.integrator);
@@ -110,14 +113,21 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
                [&](const OptionValue& v) { options.filter = choice<FilterKind>(v, filters); });
   parser.value(
       "--max-depth", "N",
-      "longest path after the primary ray, in segments (default: 16 for whitted, no limit for path)",
+      "longest path after the primary ray, in segments (default: 16 for whitted and two-pass, no limit for path)",
       [&](const OptionValue& v) { given.max_depth = static_cast<int>(whole_number(v, 1, most_segments, "segments")); });
   parser.value("--min-throughput", "X",
-               "share of the light, 0 to 1: whitted ends a ray that weighs less, path starts Russian roulette there "
-               "(default: 0.001)",
+               "share of the light, 0 to 1: whitted and two-pass end a ray that weighs less, path starts Russian "
+               "roulette there (default: 0.001)",
                [&](const OptionValue& v) { given.min_throughput = throughput(v); });
   parser.flag("--opaque-shadows", "glass stops shadow rays, for appel and whitted (default: it attenuates them)",
               options.opaque_shadows);
+  parser.value(
+      "--final-gather", "N",
+      "two-pass: gather indirect light by N rays a sample, for crisp contact shadows (default: 0, interpolated "
+      "between the elements)",
+      [&](const OptionValue& v) {
+        given.final_gather = static_cast<int>(whole_number(v, 0, 1 << 20, "rays a sample"));
+      });
   parser.value("--time-limit", "SECONDS", "stop after this time and keep the samples done by then (default: none)",
                [&](const OptionValue& v) { options.time_limit = positive(v, "a number of seconds above 0"); });
 }
@@ -131,16 +141,15 @@ void add_solution_options(OptionParser& parser, RenderArguments& arguments) {
 }
 
 void check_solution_options(const RenderArguments& a) {
-  if (!a.shows_radiosity()) {
-    const char* option = a.solution          ? "--solution"
-                         : a.flat            ? "--flat"
-                         : a.outlines        ? "--outlines"
-                         : a.radiosity.given ? "--solver and its options"
-                                             : nullptr;
-    if (option == nullptr) return;
+  const auto refuse = [&](const char* option, const char* owners) {
     throw UsageError(
-        fmt::format("{} does not apply to --integrator {}; it belongs to radiosity", option, a.integrator));
-  }
+        fmt::format("{} does not apply to --integrator {}; it belongs to {}", option, a.integrator, owners));
+  };
+  if (!a.shows_radiosity() && a.flat) refuse("--flat", "radiosity");
+  if (!a.shows_radiosity() && a.outlines) refuse("--outlines", "radiosity");
+  if (!a.needs_solution() && a.solution) refuse("--solution", "radiosity and two-pass");
+  if (!a.needs_solution() && a.radiosity.given) refuse("--solver and its options", "radiosity and two-pass");
+  if (!a.needs_solution()) return;
   if (a.solution && a.radiosity.given) {
     throw UsageError("--solution shows what was solved before; leave --solver and its options away");
   }
@@ -149,8 +158,9 @@ void check_solution_options(const RenderArguments& a) {
 
 void apply(const Given& given, const std::string& integrator, RenderOptions& options) {
   const bool radiosity = integrator == "radiosity";
-  const bool path = !radiosity && options.integrator == IntegratorKind::path;
-  const bool appel = !radiosity && options.integrator == IntegratorKind::appel;
+  const bool two_pass = integrator == "two-pass";
+  const bool path = !radiosity && !two_pass && options.integrator == IntegratorKind::path;
+  const bool appel = !radiosity && !two_pass && options.integrator == IntegratorKind::appel;
   const int usual = options.noise > 0 ? usual_samples_by_noise : path ? usual_path_samples : usual_samples;
   options.samples_per_pixel = given.samples.value_or(usual);
   if (options.noise > 0 && options.samples_per_pixel < 32) {
@@ -163,9 +173,12 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   if (radiosity && options.opaque_shadows) refuse("--opaque-shadows", "which shows light that was computed before");
   if (radiosity && given.max_depth) refuse("--max-depth", "which shows light that was computed before");
   if (radiosity && given.min_throughput) refuse("--min-throughput", "which shows light that was computed before");
+  if (!two_pass && given.final_gather) refuse("--final-gather", "which gathers no light from a solution");
+  if (two_pass && options.opaque_shadows) refuse("--opaque-shadows", "where light through glass is in the solution");
   if (path && options.opaque_shadows) refuse("--opaque-shadows", "which finds the light through glass by itself");
   if (appel && given.max_depth) refuse("--max-depth", "which follows no reflection or refraction");
   if (appel && given.min_throughput) refuse("--min-throughput", "which follows no reflection or refraction");
+  options.final_gather = given.final_gather.value_or(0);
   options.max_depth = given.max_depth.value_or(options.max_depth);
   options.min_throughput = given.min_throughput.value_or(options.min_throughput);
 }

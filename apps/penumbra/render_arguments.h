@@ -23,12 +23,15 @@ struct RenderArguments {
   RenderOptions render;
   CommonOptions common;
   std::string integrator = "whitted";   ///< as the user named it
-  RadiosityOptions radiosity;           ///< of --integrator radiosity
+  RadiosityOptions radiosity;           ///< of --integrator radiosity and two-pass
   std::optional<std::string> solution;  ///< an .npz that `bake` wrote, to be shown instead of solving
   bool flat = false;                    ///< each element in its one colour
   bool outlines = false;                ///< elements outlined
 
   [[nodiscard]] bool shows_radiosity() const { return integrator == "radiosity"; }
+  [[nodiscard]] bool is_two_pass() const { return integrator == "two-pass"; }
+  /// Whether a diffuse solution is needed.
+  [[nodiscard]] bool needs_solution() const { return shows_radiosity() || is_two_pass(); }
 };
 
 /// Reads and checks the arguments; none when the user asked for help. Throws UsageError, FileError.

@@ -11,8 +11,11 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/io/gltf_writer.h"
 #include "penumbra/io/ply_writer.h"
-#include "penumbra/radiosity/leaks/face_net.h"
+#include "penumbra/radiosity/meshing/element_builder.h"
+#include "penumbra/radiosity/meshing/lamp_irradiance.h"
+#include "penumbra/radiosity/meshing/uniform.h"
 #include "penumbra/radiosity/meshing/vertex_coloured_scene.h"
+#include "penumbra/scene/object_label.h"
 
 namespace penumbra::cli {
 namespace {
@@ -128,7 +131,10 @@ std::vector<std::string> write_solution(const std::string& path, const DiffuseSo
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".glb") {
     const double to_colour = std::exp2(scale.exposure) / std::numbers::pi;
-    Scene coloured = vertex_coloured_scene(solution.mesh, solution.irradiance, to_colour, solution.object_names);
+    const MadePatchMesh faces = make_element_faces(scene, PatchSides::both, MeshingOptions{}.shape_segments);
+    const LampIrradiance lamps(scene, faces.mesh);
+    Scene coloured =
+        vertex_coloured_scene(solution.mesh, solution.irradiance, to_colour, solution.object_names, &lamps);
     coloured.cameras = scene.cameras;
     return write_glb(path, coloured,
                      {{"profile", "vertex"},

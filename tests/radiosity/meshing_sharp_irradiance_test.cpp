@@ -4,10 +4,13 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "penumbra/radiosity/direct_irradiance.h"
 #include "penumbra/radiosity/meshing/adaptive_elements.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
+#include "penumbra/radiosity/meshing/vertex_coloured_scene.h"
 #include "radiosity/shadow_floor.h"
 
 namespace penumbra {
@@ -115,6 +118,28 @@ TEST(SharpIrradiance, KeepsTheLightThatLampsDoNotBring) {
   const ShadingMesh shading = make_shading_mesh(elements);
   const SharpIrradiance sharp = sharp_irradiance(light, elements, shading, irradiance);
   EXPECT_EQ(sharp.at_vertices, shading.at_vertices(irradiance, 3));
+}
+
+TEST(VertexColouredScene, LampsGiveBakedColoursCrispShadows) {
+  const Scene scene = shadow_floor::scene();
+  AdaptiveMeshingOptions meshing;
+  meshing.element_count = 3000;
+  const PatchMesh elements = make_adaptive_elements(scene, meshing).elements;
+  const MadePatchMesh faces = make_element_faces(scene, PatchSides::both, 8);
+  const LampIrradiance lamps(scene, faces.mesh);
+  const std::vector<double> means = element_means(elements);  // of the floor; the rest is not looked at
+  const std::vector<std::string> names{"floor", "lamp", "blocker"};
+  constexpr double reflectance = 0.5;
+  const auto rms_of_floor = [&](const LampIrradiance* exact) {
+    const Scene coloured = vertex_coloured_scene(elements, means, 1, names, exact);
+    const Mesh& floor = coloured.meshes.at(0);
+    double square = 0;
+    for (std::size_t v = 0; v < floor.positions.size(); ++v) {
+      square += std::pow(floor.colours[v].x - reflectance * shadow_floor::irradiance(floor.positions[v]), 2);
+    }
+    return std::sqrt(square / static_cast<double>(floor.positions.size()));
+  };
+  EXPECT_LT(rms_of_floor(&lamps), 0.2 * rms_of_floor(nullptr));
 }
 
 TEST(LampIrradiance, KnowsTheConeOfASpot) {

@@ -8,37 +8,15 @@
 
 #include "penumbra/math/polygon.h"
 #include "penumbra/radiosity/form_factors/analytic.h"
-#include "radiosity/polygon_makers.h"
+#include "radiosity/scene_makers.h"
 
 namespace penumbra {
 namespace {
 
-/// Adds a mesh of polygons and an instance of it. Each face is fanned into triangles, as a reader would.
-void add_object(Scene& scene, const std::string& name, const std::vector<Polygon>& faces,
-                const Mat4d& to_world = Mat4d(1), std::uint32_t material = 0) {
-  Mesh mesh;
-  mesh.name = name;
-  mesh.materials = {material};
-  mesh.face_offsets = {0};
-  for (const Polygon& face : faces) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    for (std::uint32_t k = 0; k < face.size(); ++k) {
-      mesh.positions.push_back(face[k]);
-      mesh.face_vertices.push_back(first + k);
-      if (k < 2) continue;
-      mesh.triangles.push_back({first, first + k - 1, first + k});
-      mesh.face_of_triangle.push_back(static_cast<std::uint32_t>(mesh.face_offsets.size() - 1));
-    }
-    mesh.face_offsets.push_back(static_cast<std::uint32_t>(mesh.face_vertices.size()));
-  }
-  scene.meshes.push_back(mesh);
-  scene.instances.push_back({name, static_cast<std::uint32_t>(scene.meshes.size() - 1), to_world});
-}
-
 Scene scene_of(const std::string& name, const std::vector<Polygon>& faces) {
   Scene scene;
   scene.materials.emplace_back();
-  add_object(scene, name, faces);
+  add_polygons(scene, name, faces);
   return scene;
 }
 
@@ -116,7 +94,7 @@ TEST(PatchMesh, InstancesStandInTheWorldAndMirrorsKeepTheFront) {
   Mat4d mirror(1);
   mirror[0][0] = -2;
   mirror[3] = Vec4d(7, 0, 0, 1);
-  add_object(scene, "box", faces, mirror);
+  add_polygons(scene, "box", faces, 0, mirror);
   const PatchMesh mesh = make_patch_mesh(scene).mesh;
   double area = 0;
   for (std::size_t p = 0; p < mesh.patch_count(); ++p) {
@@ -164,8 +142,8 @@ TEST(PatchMesh, GroupsByObjectAndMaterial) {
   scene.materials[0].base_colour = {0.2F, 0.2F, 0.2F};
   scene.materials[1].base_colour = {0.8F, 0.8F, 0.8F};
   scene.materials[1].name = "paint";
-  add_object(scene, "a", room({1, 1, 1}), Mat4d(1), 0);
-  add_object(scene, "b", reversed(room({0.1, 0.1, 0.1})), Mat4d(1), 1);
+  add_polygons(scene, "a", room({1, 1, 1}), 0);
+  add_polygons(scene, "b", reversed(room({0.1, 0.1, 0.1})), 1);
   scene.meshes[0].materials.assign(12, 0);
   scene.meshes[0].materials[2] = scene.meshes[0].materials[3] = 1;  // the ceiling
   const PatchMesh by_object = make_patch_mesh(scene, {.grouping = SurfaceGrouping::object}).mesh;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <stop_token>
@@ -8,6 +9,7 @@
 
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/solvers/direct.h"
+#include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/gauss_seidel.h"
 #include "penumbra/radiosity/solvers/jacobi.h"
 #include "penumbra/radiosity/solvers/progressive.h"
@@ -175,12 +177,29 @@ TEST(MatrixSolvers, AClosedSceneThatAbsorbsNothingHasNoBound) {
   }
 }
 
+// A small bright lamp in a large room: residuals far below its emission are still much of the light.
+TEST(MatrixSolvers, DefaultsLeaveAThousandthOfTheLightAtMost) {
+  const FactorMatrix factors = room_factors(4);
+  RadiosityProblem problem = uniform_problem(factors.areas, 3, 0.7, 0);
+  problem.emission[0] = problem.emission[1] = problem.emission[2] = 1;
+  SolverOptions exact;
+  exact.tolerance = 1e-13;
+  const double all = power_of(problem, solve_gauss_seidel(problem, factors, exact).radiosity);
+  for (const std::string_view name : solver_names()) {
+    const auto solution = solve_radiosity(name, problem, factors, {});
+    EXPECT_TRUE(solution.converged) << name;
+    EXPECT_LE(std::abs(solution.unshot_fraction), 1e-4) << name;
+    EXPECT_NEAR(power_of(problem, solution.radiosity), all, 1e-3 * all) << name;
+  }
+}
+
 TEST(MatrixSolvers, EndWhereTheOptionsSay) {
   const FactorMatrix factors = room_factors(3);
   const RadiosityProblem problem = random_problem(factors.areas, 3, 17);
   for (const std::string_view name : {"jacobi", "gauss-seidel", "progressive"}) {
     SolverOptions options;
     options.tolerance = 1e-3;
+    options.most_unshot = 2;
     options.stop_at = 1;
     const auto solution = solve_radiosity(name, problem, factors, options);
     EXPECT_TRUE(solution.converged) << name;

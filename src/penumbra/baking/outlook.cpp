@@ -37,9 +37,19 @@ void cosine_directions(const std::uint32_t (&bits_u)[lanes], const std::uint32_t
   }
 }
 
+/// From the disk of Malley's method to that of Lambert's equal-area map.
+void spread_evenly(float (&x)[lanes], float (&y)[lanes], float (&z)[lanes]) {
+  for (int i = 0; i < lanes; ++i) {
+    const float r2 = 1.0F - z[i] * z[i], stretch = std::sqrt(2.0F - r2);
+    x[i] *= stretch;
+    y[i] *= stretch;
+    z[i] = 1.0F - r2;
+  }
+}
+
 }  // namespace
 
-Outlook::Outlook(std::uint64_t key) {
+Outlook::Outlook(std::uint64_t key, Spread spread) : spread_(spread) {
   seed_[0] = static_cast<std::uint32_t>(mix_bits(key));
   seed_[1] = static_cast<std::uint32_t>(mix_bits(key) >> 32);
   for (int lane = 0; lane < lanes; ++lane) set(lane, Vec3d(0), Vec3d(0, 0, 1), Vec3d(0, 0, 1), 0), clear(lane);
@@ -72,6 +82,7 @@ void Outlook::rays(std::uint32_t index, RayPacket& packet) const {
   }
   float x[lanes], y[lanes], z[lanes];
   cosine_directions(bits_u, bits_v, x, y, z);
+  if (spread_ == Spread::even) spread_evenly(x, y, z);
   for (int i = 0; i < lanes; ++i) {
     const float dx = x[i] * tangent_[0][i] + y[i] * bitangent_[0][i] + z[i] * normal_[0][i];
     const float dy = x[i] * tangent_[1][i] + y[i] * bitangent_[1][i] + z[i] * normal_[1][i];

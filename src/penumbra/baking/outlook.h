@@ -7,9 +7,15 @@
 
 namespace penumbra {
 
+/// How directions are spread over a hemisphere.
+enum class Spread {
+  cosine,  ///< density cos(theta) / pi
+  even     ///< density 1 / (2 pi)
+};
+
 /// Sixteen places on surfaces that look over their hemispheres side by side, single precision.
 ///
-/// All lanes share one Owen-scrambled Sobol sequence of cosine-distributed directions; each has a shift of its own by
+/// All lanes share one Owen-scrambled Sobol sequence of directions; each has a shift of its own by
 /// digits too fine to leave the cell (one of K, after K rays) that a direction lies in. So each lane's directions are a
 /// (0,2)-sequence, the lanes' rays run nearly parallel wherever their normals agree, and sixteen lanes together are
 /// stratified more finely still.
@@ -18,7 +24,7 @@ class alignas(64) Outlook {
   static constexpr int lanes = RayPacket::size;
 
   /// All lanes empty. @param key of the sequence.
-  explicit Outlook(std::uint64_t key);
+  explicit Outlook(std::uint64_t key, Spread spread = Spread::cosine);
 
   /// @param position pushed off its surface already. @param normal unit, about which the cosine is.
   /// @param facing unit geometric normal of the side that looks: directions below it are left out.
@@ -34,6 +40,7 @@ class alignas(64) Outlook {
   std::uint32_t shift_[2][lanes];
   std::int32_t used_[lanes];
   std::uint32_t seed_[2];
+  Spread spread_;
 };
 
 }  // namespace penumbra

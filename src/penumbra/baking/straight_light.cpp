@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include "penumbra/math/frame.h"
+#include "penumbra/math/rng.h"
+#include "penumbra/math/sampling.h"
+#include "penumbra/math/sobol.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 
 namespace penumbra {
@@ -13,6 +18,8 @@ constexpr std::size_t most_lamps = 64;
 constexpr int shape_segments = 32;
 /// Places belong to one plane when they lie within this share of their reach of it.
 constexpr double flatness = 1e-4;
+/// Of a shadow ray to a lamp, so that it does not meet the lamp itself.
+constexpr double shortening = 1e-5;
 
 /// The corners of a rectangle around coplanar places; nothing when they are not coplanar.
 bool rectangle_around(std::span<const Place> places, double reach, std::array<Vec3d, 4>& corners) {
@@ -35,6 +42,7 @@ bool rectangle_around(std::span<const Place> places, double reach, std::array<Ve
 
 StraightLight::StraightLight(const LightmapAtlas& atlas, bool front_sides_only)
     : atlas_(atlas),
+      sampler_(atlas.scene),
       faces_(make_element_faces(atlas.scene, front_sides_only ? PatchSides::front : PatchSides::both, shape_segments)
                  .mesh) {
   choose_lamps(front_sides_only);
@@ -95,19 +103,72 @@ void StraightLight::choose_lamps(bool front_sides_only) {
   }
 }
 
+std::vector<StraightLight::Beam> StraightLight::beams(const Vec3d& point, const Vec3d& normal, const RayTracer& tracer,
+                                                      std::uint32_t samples, std::uint64_t key) const {
+  std::vector<Beam> beams;
+  const bool from_all_sides = normal == Vec3d(0);
+  SurfacePoint from;
+  from.position = point;
+  if (!from_all_sides) from.geometric_normal = from.shading_normal = normal;
+  std::vector<double> areas;
+  for (const Lamp& lamp : light_->lamps()) {
+    if (lamp.kind != Lamp::Kind::patch) {
+      const auto sample = sampler_.sample_light(lamp.light, from, Vec2d(0));
+      if (!sample || (!from_all_sides && !(dot(sample->direction, normal) > 0))) continue;
+      if (!tracer.occluded(sample->shadow_ray)) beams.push_back({sample->direction, sample->radiance});
+      continue;
+    }
+    const Vec3d facing = polygon_normal(lamp.corners);
+    const double area = polygon_area(lamp.corners);
+    const std::size_t triangles = lamp.corners.size() - 2;
+    areas.assign(1, 0);
+    for (std::size_t t = 0; t < triangles; ++t) {
+      areas.push_back(areas.back() + 0.5 * length(cross(lamp.corners[t + 1] - lamp.corners[0],
+                                                        lamp.corners[t + 2] - lamp.corners[0])));
+    }
+    for (std::uint32_t k = 0; k < samples; ++k) {
+      Vec2d u = owen_sobol_2d(k, hash_key(key, lamp.patch));
+      const double place = u.x * areas.back();
+      std::size_t t = 0;
+      while (t + 1 < triangles && place >= areas[t + 1]) ++t;
+      u.x = std::clamp((place - areas[t]) / (areas[t + 1] - areas[t]), 0.0, 1.0);
+      const Vec2d b = sample_triangle(u);
+      const Vec3d way = lamp.corners[0] + b.x * (lamp.corners[t + 1] - lamp.corners[0]) +
+                        b.y * (lamp.corners[t + 2] - lamp.corners[0]) - point;
+      const double r2 = length_squared(way), r = std::sqrt(r2), cosine = -dot(way, facing) / r;
+      if (!(cosine > 0) || (!from_all_sides && !(dot(way, normal) > 0))) continue;
+      Ray ray{.origin = point, .direction = way / r, .t_max = r * (1 - shortening)};
+      if (tracer.occluded(ray)) continue;
+      const double solid_angle = area / samples * cosine / r2;
+      beams.push_back({ray.direction, Rgb(lamp.strength * (solid_angle / std::numbers::pi))});
+    }
+  }
+  return beams;
+}
+
+void StraightLight::look(const LampIrradiance::View& view, const Place& place, Vec3d& irradiance) const {
+  if (!view.is_lit()) {
+    irradiance = Vec3d(0);
+  } else if (dot(place.normal, place.shading) > 1 - 1e-6) {
+    irradiance = view.at(place.position);
+  } else {
+    irradiance = light_->at(place.position, place.normal, place.shading, {});
+  }
+}
+
 void StraightLight::at(std::span<const Place> places, double reach, std::span<Vec3d> irradiance) const {
   std::array<Vec3d, 4> corners;
   if (rectangle_around(places, reach, corners)) {
     const LampIrradiance::View view = light_->view(corners);
     for (std::size_t k = 0; k < places.size(); ++k) {
-      irradiance[k] = view.is_lit() ? view.at(places[k].position) : Vec3d(0);
+      look(view, places[k], irradiance[k]);
     }
     return;
   }
   for (std::size_t k = 0; k < places.size(); ++k) {
     rectangle_around(places.subspan(k, 1), reach, corners);
     const LampIrradiance::View view = light_->view(corners);
-    irradiance[k] = view.is_lit() ? view.at(places[k].position) : Vec3d(0);
+    look(view, places[k], irradiance[k]);
   }
 }
 

@@ -28,10 +28,23 @@ class StraightLight {
   /// Irradiance at places close together, W/m^2. @param reach how far around each the surface belongs to it, m.
   void at(std::span<const Place> places, double reach, std::span<Vec3d> irradiance) const;
 
+  /// Light from one direction.
+  struct Beam {
+    Vec3d direction{0};    ///< unit, to where it comes from
+    Rgb irradiance{0.0F};  ///< on a surface that faces it, W/m^2
+  };
+  /// The light of lamps at a point in space as beams that together are it: points of lamps by low-discrepancy samples,
+  /// as many to each, all that reach the point unhindered. @param normal unit: only what comes from its side; zero:
+  /// all.
+  [[nodiscard]] std::vector<Beam> beams(const Vec3d& point, const Vec3d& normal, const RayTracer& tracer,
+                                        std::uint32_t samples, std::uint64_t key) const;
+
  private:
   void choose_lamps(bool front_sides_only);
+  void look(const LampIrradiance::View& view, const Place& place, Vec3d& irradiance) const;
 
   const LightmapAtlas& atlas_;
+  LightSampler sampler_;
   PatchMesh faces_;
   std::unique_ptr<LampIrradiance> light_;
   StraightLamps straight_;

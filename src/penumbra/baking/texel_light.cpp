@@ -7,8 +7,7 @@
 #include <stdexcept>
 
 #include "penumbra/baking/final_gather.h"
-#include "penumbra/baking/texel_direct.h"
-#include "penumbra/parallel/parallel_for.h"
+#include "penumbra/baking/texel_solution.h"
 
 namespace penumbra {
 namespace {
@@ -90,39 +89,27 @@ TexelLight bake_texel_light(const LightmapAtlas& atlas, const Texels& texels, co
   const Progress& progress = options.progress;
   TexelLight light;
   const std::size_t count = texels.count();
-  light.irradiance.assign(3 * count, 0);
-  light.direct.assign(3 * count, 0);
-  light.error.assign(count, 0);
-  light.buried.assign(count, 0);
   if (count == 0) return light;
 
   progress.tell("texels", 0);
-  const RayTracer tracer(atlas.scene);
-  const TexelMap map(atlas, texels);
-  const AtlasSpace space(map, tracer);
-  const StraightLight straight(atlas, options.front_sides_only);
-  const std::vector<std::uint32_t> order = texels_in_blocks(map);
-  const SamplePoints points(tracer, map, space);
-  const TexelRays rays(points, straight.lamps());
-  light.direct = direct_light_of_texels(straight, points, space, map, order, progress);
-
-  progress.tell("interreflection", 0);
-  LightCells cells(rays, space, straight, order, light.direct,
-                   {.front_sides_only = options.front_sides_only, .seed = options.seed}, progress);
-  light.iterations = cells.solve(progress);
-  progress.tell("interreflection", 1);
-
+  TexelSolution solution(atlas, texels, options.front_sides_only, options.seed, progress);
+  const TexelMap& map = solution.map();
+  const LightCells& cells = solution.cells();
+  light.iterations = solution.iterations();
   const NoiseSurfaces surfaces = make_noise_surfaces(map, cells);
-  GatheredLight gathered = final_gather(rays, cells, surfaces, order,
+  GatheredLight gathered = final_gather(solution.rays(), cells, surfaces, solution.order(),
                                         {.noise = options.noise,
                                          .fewest_rays = static_cast<std::uint32_t>(options.fewest_rays),
                                          .most_rays = static_cast<std::uint32_t>(options.most_rays),
                                          .seed = options.seed},
                                         progress);
   light.rays = cells.rays_traced() + gathered.rays;
-  light.partial = cells.is_partial() || gathered.partial || progress.stop_requested();
-  for (std::size_t k = 0; k < 3 * count; ++k) light.irradiance[k] = light.direct[k] + gathered.irradiance[k];
+  light.partial = solution.is_partial() || gathered.partial;
+  light.direct = std::move(solution.direct());
+  light.irradiance = std::move(gathered.irradiance);
+  for (std::size_t k = 0; k < 3 * count; ++k) light.irradiance[k] += light.direct[k];
   light.error = std::move(gathered.error);
+  light.buried.resize(count);
   for (std::uint32_t t = 0; t < count; ++t) light.buried[t] = cells.is_buried(t);
   measure_noise(map, surfaces, light);
   fill_buried(map, light);

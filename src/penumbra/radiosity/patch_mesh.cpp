@@ -14,19 +14,10 @@
 #include "penumbra/math/transform.h"
 #include "penumbra/radiosity/patch_mesh_builder.h"
 #include "penumbra/radiosity/shape_polygons.h"
+#include "penumbra/scene/object_label.h"
 
 namespace penumbra {
 namespace {
-
-std::string object_label(const Scene& scene, std::size_t object) {
-  const std::string& name = scene.object_name(object);
-  if (!name.empty()) return name;
-  if (object < scene.instances.size()) {
-    const std::string& mesh_name = scene.meshes[scene.instances[object].mesh].name;
-    if (!mesh_name.empty()) return mesh_name;
-  }
-  return fmt::format("object {}", object + 1);
-}
 
 /// Faces of a scene are numbered object by object: where each object's begin, and the total at the end.
 class SceneFaces {

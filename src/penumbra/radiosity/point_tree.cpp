@@ -31,50 +31,21 @@ bool crosses(const Bounds& box, const Vec3d& a, const Vec3d& along, double toler
 
 }  // namespace
 
-PointTree::PointTree(std::span<const Vec3d> points) : points_(points), order_(points.size()) {
-  std::iota(order_.begin(), order_.end(), 0U);
-  if (!points.empty()) build(0, static_cast<std::uint32_t>(points.size()));
-}
-
-std::uint32_t PointTree::build(std::uint32_t first, std::uint32_t last) {
-  const auto number = static_cast<std::uint32_t>(nodes_.size());
-  Bounds bounds;
-  for (std::uint32_t k = first; k < last; ++k) bounds.grow(points_[order_[k]]);
-  nodes_.push_back({bounds, first, last, 0});
-  if (last - first <= leaf_size) return number;
-  const Vec3d size = bounds.upper - bounds.lower;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::uint32_t middle = (first + last) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     return points_[a][axis] != points_[b][axis] ? points_[a][axis] < points_[b][axis] : a < b;
-                   });
-  build(first, middle);
-  const std::uint32_t right = build(middle, last);
-  nodes_[number].right = right;
-  return number;
+PointTree::PointTree(std::span<const Vec3d> points) : points_(points) {
+  std::vector<Bounds> bounds(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) bounds[k].grow(points[k]);
+  std::vector<std::uint32_t> all(points.size());
+  std::iota(all.begin(), all.end(), 0U);
+  tree_ = BoxTree(bounds, std::move(all), leaf_size);
 }
 
 void PointTree::on_segment(const Vec3d& a, const Vec3d& b, double tolerance, std::vector<std::uint32_t>& found) const {
-  if (nodes_.empty()) return;
   const Vec3d along = b - a;
   const double length2 = length_squared(along);
-  std::uint32_t stack[64];
-  int top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const std::uint32_t number = stack[--top];
-    const Node& node = nodes_[number];
-    if (!crosses(node.bounds, a, along, tolerance)) continue;
-    if (node.right != 0) {
-      stack[top++] = node.right;
-      stack[top++] = number + 1;
-      continue;
-    }
-    for (std::uint32_t k = node.first; k < node.last; ++k) {
-      if (distance_squared(points_[order_[k]], a, along, length2) <= tolerance * tolerance) found.push_back(order_[k]);
-    }
-  }
+  tree_.search([&](const Bounds& box) { return !crosses(box, a, along, tolerance); },
+               [&](std::uint32_t p) {
+                 if (distance_squared(points_[p], a, along, length2) <= tolerance * tolerance) found.push_back(p);
+               });
 }
 
 std::vector<std::uint32_t> weld_points(std::span<const Vec3d> points, double tolerance) {

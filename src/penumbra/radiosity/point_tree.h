@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "penumbra/math/bounds.h"
 #include "penumbra/math/vec.h"
+#include "penumbra/radiosity/box_tree.h"
 
 namespace penumbra {
 
@@ -20,16 +20,8 @@ class PointTree {
   void on_segment(const Vec3d& a, const Vec3d& b, double tolerance, std::vector<std::uint32_t>& found) const;
 
  private:
-  struct Node {
-    Bounds bounds;
-    std::uint32_t first, last;  // of order_, in leaves
-    std::uint32_t right = 0;    // the left child follows its parent; 0: a leaf
-  };
-  std::uint32_t build(std::uint32_t first, std::uint32_t last);
-
   std::span<const Vec3d> points_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
+  BoxTree tree_;
 };
 
 /// For each point the number of the first point (by number) that it is within `tolerance` of, itself when there is

@@ -1,7 +1,5 @@
 #include "penumbra/radiosity/leaks/face_net.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <functional>
 #include <unordered_map>
@@ -101,16 +99,6 @@ FaceNet make_face_net(const Scene& scene) {
   }
   find_edges(net);
   return net;
-}
-
-std::string object_label(const Scene& scene, std::size_t object) {
-  const std::string& name = scene.object_name(object);
-  if (!name.empty()) return name;
-  if (object < scene.instances.size()) {
-    const std::string& mesh_name = scene.meshes[scene.instances[object].mesh].name;
-    if (!mesh_name.empty()) return mesh_name;
-  }
-  return fmt::format("object {}", object + 1);
 }
 
 }  // namespace penumbra

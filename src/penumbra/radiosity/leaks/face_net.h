@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "penumbra/math/vec.h"
@@ -35,8 +34,5 @@ struct FaceNet {
 };
 
 [[nodiscard]] FaceNet make_face_net(const Scene& scene);
-
-/// An object's name, its mesh's name, or its number from 1.
-[[nodiscard]] std::string object_label(const Scene& scene, std::size_t object);
 
 }  // namespace penumbra

@@ -12,6 +12,7 @@
 #include "penumbra/radiosity/leaks/border.h"
 #include "penumbra/radiosity/leaks/doubled_faces.h"
 #include "penumbra/radiosity/leaks/openings.h"
+#include "penumbra/scene/object_label.h"
 
 namespace penumbra {
 namespace {

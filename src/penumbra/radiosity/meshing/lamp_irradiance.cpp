@@ -94,11 +94,12 @@ LampIrradiance::LampIrradiance(const Scene& scene, const PatchMesh& faces, std::
     : scene_(scene), faces_(faces), sampler_(scene), occluders_(std::make_unique<Scene>()) {
   Mesh& mesh = occluders_->meshes.emplace_back();
   mesh.positions = faces.vertices;
+  std::vector<std::uint32_t> fronts;
   for (std::uint32_t p = 0; p < faces.patch_count(); ++p) {
     Bounds& box = bounds_.emplace_back();
     for (const Vec3d& v : faces.polygon(p)) box.grow(v);
     if (faces.surfaces[faces.surface_of[p]].back) continue;  // it stands where its front does
-    order_.push_back(p);
+    fronts.push_back(p);
     const auto corners = faces.patch_corners(p);
     for (std::size_t c = 2; c < corners.size(); ++c) {
       mesh.triangles.push_back({corners[0], corners[c - 1], corners[c]});
@@ -114,34 +115,9 @@ LampIrradiance::LampIrradiance(const Scene& scene, const PatchMesh& faces, std::
     rounding_ = std::max(rounding_, float_error * largest_component(v));
   }
   size_ = faces.vertices.empty() ? 1 : length(all.upper - all.lower);
-  if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
+  tree_ = BoxTree(bounds_, std::move(fronts), leaf_size);
   add_patches(most_lamps);
   add_lights();
-}
-
-std::uint32_t LampIrradiance::build(std::uint32_t first, std::uint32_t last) {
-  const auto number = static_cast<std::uint32_t>(nodes_.size());
-  Bounds all, centres;
-  const auto centre = [&](std::uint32_t p) { return 0.5 * (bounds_[p].lower + bounds_[p].upper); };
-  for (std::uint32_t k = first; k < last; ++k) {
-    all.grow(bounds_[order_[k]].lower);
-    all.grow(bounds_[order_[k]].upper);
-    centres.grow(centre(order_[k]));
-  }
-  nodes_.push_back({all, first, last, 0});
-  if (last - first <= leaf_size) return number;
-  const Vec3d size = centres.upper - centres.lower;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::uint32_t middle = (first + last) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const double ca = centre(a)[axis], cb = centre(b)[axis];
-                     return ca != cb ? ca < cb : a < b;
-                   });
-  build(first, middle);
-  const std::uint32_t right = build(middle, last);
-  nodes_[number].right = right;
-  return number;
 }
 
 void LampIrradiance::add_patches(std::size_t most_lamps) {
@@ -222,35 +198,26 @@ void LampIrradiance::list_occluders(std::span<const Vec3d> receiver, const Plane
     for (const Vec3d& p : polygon) box.grow(p);
   }
   std::vector<Vec3d> above, between;
-  std::vector<std::uint32_t> stack{0};
-  while (!stack.empty()) {
-    const Node& node = nodes_[stack.back()];
-    const std::uint32_t number = stack.back();
-    stack.pop_back();
-    if (misses(node.bounds, box, shaft, tolerance)) continue;
-    if (node.right != 0) {
-      stack.push_back(node.right);
-      stack.push_back(number + 1);
-      continue;
-    }
-    for (std::uint32_t k = node.first; k < node.last; ++k) {
-      const std::uint32_t p = order_[k];
-      const auto polygon = faces_.polygon(p);
-      if (p == lamp.patch || misses(bounds_[p], box, shaft, tolerance)) continue;
-      if (std::any_of(shaft.begin(), shaft.end(), [&](const Plane3& s) { return is_beyond(s, polygon, tolerance); })) {
-        continue;
-      }
-      clip_polygon(polygon, plane, 0, above);
-      if (above.size() < 3) continue;
-      clip_polygon(above, lamp_plane, 0, between);
-      if (between.size() < 3) continue;
-      if (seen.occluders.size() == most_occluders) {
-        seen.by_rays = true;
-        seen.occluders.clear();
-        return;
-      }
-      seen.occluders.push_back(between);
-    }
+  bool too_many = false;
+  tree_.search([&](const Bounds& of_node) { return too_many || misses(of_node, box, shaft, tolerance); },
+               [&](std::uint32_t p) {
+                 const auto polygon = faces_.polygon(p);
+                 if (too_many || p == lamp.patch || misses(bounds_[p], box, shaft, tolerance)) return;
+                 if (std::any_of(shaft.begin(), shaft.end(),
+                                 [&](const Plane3& s) { return is_beyond(s, polygon, tolerance); })) {
+                   return;
+                 }
+                 clip_polygon(polygon, plane, 0, above);
+                 if (above.size() < 3) return;
+                 clip_polygon(above, lamp_plane, 0, between);
+                 if (between.size() < 3) return;
+                 too_many = seen.occluders.size() == most_occluders;
+                 if (!too_many) seen.occluders.push_back(between);
+               });
+  if (too_many) {
+    seen.by_rays = true;
+    seen.occluders.clear();
+    return;
   }
   // The nearest to the lamp's size first: large ones leave less for the rest to cut.
   std::stable_sort(seen.occluders.begin(), seen.occluders.end(),

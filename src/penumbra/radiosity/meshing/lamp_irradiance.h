@@ -8,6 +8,7 @@
 
 #include "penumbra/math/bounds.h"
 #include "penumbra/math/polygon.h"
+#include "penumbra/radiosity/box_tree.h"
 #include "penumbra/radiosity/patch_mesh.h"
 #include "penumbra/scene/scene.h"
 #include "penumbra/tracing/ray_tracer.h"
@@ -86,12 +87,6 @@ class LampIrradiance {
  private:
   void add_patches(std::size_t most_lamps);
   void add_lights();
-  struct Node {
-    Bounds bounds;
-    std::uint32_t first, last;
-    std::uint32_t right = 0;  // the left child follows its parent; 0: a leaf
-  };
-  std::uint32_t build(std::uint32_t first, std::uint32_t last);
   void list_occluders(std::span<const Vec3d> receiver, const Plane3& plane, View::Seen& seen) const;
   [[nodiscard]] double visible_factor(const Vec3d& point, const Vec3d& normal, const View::Seen& seen) const;
   [[nodiscard]] double sampled_factor(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const Lamp& lamp,
@@ -107,9 +102,8 @@ class LampIrradiance {
   std::unique_ptr<Scene> occluders_;
   std::unique_ptr<RayTracer> tracer_;
   std::vector<std::uint32_t> patch_of_triangle_;
-  std::vector<std::uint32_t> order_;  // patches, fronts only, in the order of the leaves
-  std::vector<Bounds> bounds_;        // by patch
-  std::vector<Node> nodes_;
+  std::vector<Bounds> bounds_;  // by patch
+  BoxTree tree_;                // of patches, fronts only
   double rounding_ = 0;
   double size_ = 0;
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "penumbra/radiosity/meshing/shading_mesh.h"
+#include "penumbra/radiosity/meshing/sharp_irradiance.h"
 
 namespace penumbra {
 namespace {
@@ -30,12 +31,21 @@ struct Growing {
   std::map<std::pair<std::uint32_t, Paint>, std::uint32_t> vertex_of;
 };
 
+SharpIrradiance light_at_vertices(const PatchMesh& elements, std::span<const double> irradiance,
+                                  const LampIrradiance* lamps) {
+  ShadingMesh shading = make_shading_mesh(elements);
+  if (lamps != nullptr) return sharp_irradiance(*lamps, elements, shading, irradiance);
+  std::vector<double> blended = shading.at_vertices(irradiance, 3);
+  return {std::move(shading), std::move(blended)};
+}
+
 }  // namespace
 
 Scene vertex_coloured_scene(const PatchMesh& elements, std::span<const double> irradiance, double scale,
-                            std::span<const std::string> object_names) {
-  const ShadingMesh shading = make_shading_mesh(elements);
-  const std::vector<double> light = shading.at_vertices(irradiance, 3);
+                            std::span<const std::string> object_names, const LampIrradiance* lamps) {
+  const SharpIrradiance lit = light_at_vertices(elements, irradiance, lamps);
+  const ShadingMesh& shading = lit.mesh;
+  const std::vector<double>& light = lit.at_vertices;
   std::map<std::uint32_t, Growing> objects;
   for (std::size_t t = 0; t < shading.triangles.size(); ++t) {
     const std::uint32_t element = shading.element_of_triangle[t];

@@ -569,7 +569,8 @@ RadiositySolution RefiningShooting::solve(const SolverOptions& options) {
     const double emitted = emitted_power(s.problem);
     course.note(std::max<std::size_t>(shooters.size(), 1),
                 s.largest_source > 0 ? s.residual_bound / s.largest_source : 0,
-                emitted > 0 ? 1 - s.unshot_power / emitted : 1, s.radiosity(), s.unshot_of_elements());
+                emitted > 0 ? s.unshot_power / emitted : 0, emitted > 0 ? 1 - s.unshot_power / emitted : 1,
+                s.radiosity(), s.unshot_of_elements());
   }
   RadiositySolution solution = s.take();
   course.record(solution);

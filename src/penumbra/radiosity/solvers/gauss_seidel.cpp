@@ -82,7 +82,8 @@ RadiositySolution solve_gauss_seidel(const RadiosityProblem& problem, const Fact
       equation.evaluate(radiosity, state);
       residual = equation.relative(state.largest_residual);
     }
-    course.note(1, residual, 0, radiosity, {});
+    // Before it was evaluated no unshot energy is known, and none is asked for.
+    course.note(1, residual, evaluated ? equation.unshot_fraction(state) : 1, 0, radiosity, {});
   }
   if (!evaluated) equation.evaluate(radiosity, state);
   RadiositySolution solution = equation.describe(std::move(radiosity), std::move(state));

@@ -17,7 +17,7 @@ namespace penumbra {
 /// that costs next to no sweeps.
 ///
 /// The residual of a sweep is the largest change that it made times its diagonal, an upper bound of the residual after
-/// the sweep wherever rho_i sum_j F_ij <= 1; the last one is exact. Ends on tolerance, max_iterations or stop.
+/// the sweep wherever rho_i sum_j F_ij <= 1; those near the end are exact. Ends on tolerance, max_iterations or stop.
 /// Throws std::invalid_argument for a problem that is not valid, does not fit the factors, or options out of range.
 [[nodiscard]] RadiositySolution solve_gauss_seidel(const RadiosityProblem& problem, const FactorMatrix& factors,
                                                    const SolverOptions& options = {});

@@ -17,7 +17,7 @@ RadiositySolution solve_jacobi(const RadiosityProblem& problem, const FactorMatr
   while (course.goes_on()) {
     for (std::size_t k = 0; k < radiosity.size(); ++k) radiosity[k] += state.residual[k] / equation.diagonal(k);
     equation.evaluate(radiosity, state);
-    course.note(1, equation.relative(state.largest_residual), 0, radiosity, {});
+    course.note(1, equation.relative(state.largest_residual), equation.unshot_fraction(state), 0, radiosity, {});
   }
   RadiositySolution solution = equation.describe(std::move(radiosity), std::move(state));
   course.record(solution);

@@ -20,7 +20,8 @@ RadiositySolution solve_progressive(const RadiosityProblem& problem, const Facto
     for (std::size_t k = 0; k < radiosity.size(); ++k) radiosity[k] += state.residual[k];
     equation.evaluate(radiosity, state);
     const double unshot = power_of(problem, state.residual);
-    course.note(1, equation.relative(state.largest_residual), emitted > 0 ? 1 - unshot / emitted : 1, radiosity, {});
+    course.note(1, equation.relative(state.largest_residual), equation.unshot_fraction(state),
+                emitted > 0 ? 1 - unshot / emitted : 1, radiosity, {});
   }
   RadiositySolution solution = equation.describe(std::move(radiosity), std::move(state));
   course.record(solution);

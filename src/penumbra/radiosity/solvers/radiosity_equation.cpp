@@ -56,6 +56,7 @@ RadiosityEquation::RadiosityEquation(const RadiosityProblem& problem, const Fact
     throw std::invalid_argument(fmt::format(
         "the form factors are of {} elements, the problem of {}; compute them for the same mesh", factors.rows(), n));
   }
+  emitted_ = emitted_power(problem);
   self_factors_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const double sum = factors.row_sum(i);
@@ -105,7 +106,16 @@ void RadiosityEquation::evaluate(std::span<const double> radiosity, State& state
     }
   });
   state.largest_residual = 0;
-  for (const double r : state.residual) state.largest_residual = std::max(state.largest_residual, std::abs(r));
+  state.unshot = 0;
+  for (std::size_t k = 0; k < state.residual.size(); ++k) {
+    const double residual = std::abs(state.residual[k]);
+    state.largest_residual = std::max(state.largest_residual, residual);
+    state.unshot += problem_.areas[k / bands] * residual;
+  }
+}
+
+double RadiosityEquation::unshot_fraction(const State& state) const {
+  return emitted_ > 0 ? state.unshot / emitted_ : 0;
 }
 
 double RadiosityEquation::relative(double residual) const {

@@ -40,11 +40,15 @@ class RadiosityEquation {
     std::vector<double> irradiance;  ///< from everywhere, W/m^2
     std::vector<double> residual;    ///< E + rho irradiance - B, W/m^2
     double largest_residual = 0;     ///< of all absolute values, W/m^2
+    double unshot = 0;               ///< W: sum of A_i |residual|, over bands
   };
   void evaluate(std::span<const double> radiosity, State& state) const;
 
   /// The largest residual relative to the largest source; 0 when there is no light.
   [[nodiscard]] double relative(double residual) const;
+
+  /// The state's `unshot` as a fraction of what is emitted; 0 when there is no light.
+  [[nodiscard]] double unshot_fraction(const State& state) const;
 
   /// What is known about the iterate `radiosity` whose state is `state`: error bound and energy.
   [[nodiscard]] RadiositySolution describe(std::vector<double> radiosity, State state) const;
@@ -57,6 +61,7 @@ class RadiosityEquation {
   std::vector<double> self_factors_;  ///< F_ii
   double largest_source_ = 0;
   double contraction_ = 0;
+  double emitted_ = 0;  ///< W
 };
 
 }  // namespace penumbra

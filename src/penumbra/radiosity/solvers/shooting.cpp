@@ -185,7 +185,8 @@ RadiositySolution solve_shooting(const RadiosityProblem& problem, const FactorRo
     }
     state.shoot(shooters, rows);
     course.note(std::max<std::size_t>(shooters.size(), 1), state.relative_residual(),
-                emitted > 0 ? 1 - state.unshot_power() / emitted : 1, state.radiosity(), state.unshot());
+                emitted > 0 ? state.unshot_power() / emitted : 0, emitted > 0 ? 1 - state.unshot_power() / emitted : 1,
+                state.radiosity(), state.unshot());
   }
   RadiositySolution solution = state.take();
   course.record(solution);

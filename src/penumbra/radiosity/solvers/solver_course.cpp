@@ -9,18 +9,20 @@ namespace penumbra {
 SolverCourse::SolverCourse(const SolverOptions& options, std::size_t safe_limit)
     : options_(options), limit_(options.max_iterations > 0 ? options.max_iterations : safe_limit) {
   if (!(options.tolerance >= 0)) throw std::invalid_argument("the solver's tolerance should not be negative");
+  if (!(options.most_unshot >= 0)) throw std::invalid_argument("the share left unshot should not be negative");
   if (!(options.stop_at > 0 && options.stop_at <= 1)) {
     throw std::invalid_argument("the fraction of energy to shoot should be above 0 and at most 1");
   }
   options.progress.tell("solve", 0);
 }
 
-void SolverCourse::note(std::size_t count, double residual, double shot, const std::vector<double>& radiosity,
-                        const std::vector<double>& unshot) {
+void SolverCourse::note(std::size_t count, double residual, double left, double shot,
+                        const std::vector<double>& radiosity, const std::vector<double>& unshot) {
   iterations_ += count;
   residuals_.push_back(residual);
   if (options_.on_stage) options_.on_stage({iterations_, radiosity, unshot, residual});
-  converged_ = accurate(residual) || (options_.stop_at < 1 && shot >= options_.stop_at);
+  converged_ = residual == 0 || (accurate(residual) && left <= options_.most_unshot) ||
+               (options_.stop_at < 1 && shot >= options_.stop_at);
   partial_ = !converged_ && options_.progress.stop_requested();
 
   // Residuals fall geometrically: progress is even in their logarithm.

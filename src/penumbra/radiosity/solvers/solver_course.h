@@ -20,10 +20,11 @@ class SolverCourse {
   [[nodiscard]] std::size_t iterations() const { return iterations_; }
 
   /// After `count` more iterations. @param residual largest residual over largest source.
+  /// @param left the fraction of the emitted energy that the residuals are, signs aside.
   /// @param shot the fraction of the emitted energy that was shot, where the criterion `stop_at` applies; else 0.
-  void note(std::size_t count, double residual, double shot, const std::vector<double>& radiosity,
+  void note(std::size_t count, double residual, double left, double shot, const std::vector<double>& radiosity,
             const std::vector<double>& unshot);
-  /// Whether a residual meets the tolerance.
+  /// Whether a residual meets the tolerance, as far as residuals alone decide.
   [[nodiscard]] bool accurate(double residual) const { return residual <= options_.tolerance || residual == 0; }
 
   /// Puts residuals, count and how it ended into a solution.
