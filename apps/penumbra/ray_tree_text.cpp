@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "penumbra/scene/object_label.h"
 #include "penumbra/tracing/shading/light_sampling.h"
 
 namespace penumbra::cli {
