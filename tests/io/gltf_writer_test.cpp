@@ -319,6 +319,7 @@ TEST(GltfWriter, TexturesComeBackWithTheirTransforms) {
                    .channels = 3,
                    .texels = std::vector<std::uint8_t>{255, 0, 10, 20, 128, 7}}};
   scene.textures = {{.image = 0, .wrap_u = Wrap::mirror, .wrap_v = Wrap::clamp, .filter = TexelFilter::nearest},
+                    {.image = 0, .mipmaps = false},
                     {.image = 0}};
   const Scene back = written(scene).back.scene;
   ASSERT_TRUE(back.materials[0].base_colour_texture && back.materials[0].normal_texture);
@@ -332,6 +333,8 @@ TEST(GltfWriter, TexturesComeBackWithTheirTransforms) {
   EXPECT_EQ(texture.wrap_u, Wrap::mirror);
   EXPECT_EQ(texture.wrap_v, Wrap::clamp);
   EXPECT_EQ(texture.filter, TexelFilter::nearest);
+  EXPECT_FALSE(back.textures[back.materials[0].normal_texture->texture].mipmaps);
+  EXPECT_TRUE(back.textures.back().mipmaps);
   ASSERT_EQ(back.images.size(), 1U);
   EXPECT_EQ(back.images[0].texels, scene.images[0].texels);
   ASSERT_FALSE(back.meshes[0].uv[1].empty()) << "sets that the material reads are there, and none is left out";

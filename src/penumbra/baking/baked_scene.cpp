@@ -22,7 +22,8 @@ std::uint32_t add_texture(Scene& scene, const Image& image, float scale) {
   scene.textures.push_back({.image = static_cast<std::uint32_t>(scene.images.size() - 1),
                             .wrap_u = Wrap::clamp,
                             .wrap_v = Wrap::clamp,
-                            .filter = TexelFilter::linear});
+                            .filter = TexelFilter::linear,
+                            .mipmaps = false});
   return static_cast<std::uint32_t>(scene.textures.size() - 1);
 }
 

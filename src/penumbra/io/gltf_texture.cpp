@@ -77,6 +77,7 @@ std::optional<std::uint32_t> GltfTextures::texture(std::uint64_t index, const Js
     made.wrap_u = wrap_of(sampler, "wrapS");
     made.wrap_v = wrap_of(sampler, "wrapT");
     if (sampler.whole("magFilter") == 9728) made.filter = TexelFilter::nearest;
+    made.mipmaps = sampler.whole("minFilter").value_or(9987) > 9729;  // 9728 and 9729 have none
   }
   std::optional<std::uint64_t> source = place.whole("source");
   if (const auto webp = extension(place, "EXT_texture_webp")) source = webp->required_whole("source");

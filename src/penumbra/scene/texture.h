@@ -27,6 +27,9 @@ struct Texture {
   Wrap wrap_u = Wrap::repeat;
   Wrap wrap_v = Wrap::repeat;
   TexelFilter filter = TexelFilter::linear;
+  /// Whether viewers may blend in coarser copies of the picture. An atlas says no: seen at a grazing angle they would
+  /// mix neighbouring charts, however far these stand apart.
+  bool mipmaps = true;
 };
 
 /// A material's use of a texture: which UV set, and the transform of KHR_texture_transform
