@@ -90,6 +90,40 @@ void add_lightmap_options(OptionParser& parser, BakeArguments& a) {
                });
 }
 
+void add_checkpoint_options(OptionParser& parser, BakeArguments& a) {
+  parser.group("Baking again");
+  parser.value("--checkpoint", "FILE",
+               "keep elements, form factors and what each light brings in this file, for --resume",
+               [&](const OptionValue& v) { a.checkpoint = v.text; });
+  parser.value("--resume", "FILE",
+               "solve on what --checkpoint kept, without new rays: the scene may have other colours and intensities of "
+               "lights and surfaces since, the same geometry, mirrors and glass",
+               [&](const OptionValue& v) { a.resume = v.text; });
+}
+
+void check_checkpoint(const BakeArguments& a) {
+  if (!a.checkpoint && !a.resume) return;
+  if (a.makes_lightmap()) {
+    throw UsageError(
+        fmt::format("{} does not apply to --profile unlit, hdr and lightmap; it belongs to solutions on "
+                    "elements: .npz, .csv, .ply, .vtu or --profile vertex",
+                    a.resume ? "--resume" : "--checkpoint"));
+  }
+  if (a.checkpoint && a.radiosity.solver == "shooting") {
+    throw UsageError("--checkpoint does not apply to --solver shooting, which keeps no form factors; use gauss-seidel");
+  }
+  if (a.checkpoint && a.resume) throw UsageError("--resume FILE is the checkpoint already; leave --checkpoint away");
+  if (a.checkpoint) check_creatable(*a.checkpoint);
+  const RadiosityOptions& r = a.radiosity;
+  const bool makes = r.subdivision != Subdivision::uniform || r.form_factors != "auto" || r.element_size ||
+                     r.elements || r.contrast || r.factor_tolerance || r.rays || r.resolution || r.specular_rays;
+  if (a.resume && makes) {
+    throw UsageError(
+        "--resume brings its own elements and form factors; leave the options away that make them (--subdivide, "
+        "--elements, --element-size, --contrast, --form-factors and theirs, --specular-rays)");
+  }
+}
+
 void add_snapshot_options(OptionParser& parser, BakeArguments& a) {
   parser.group("Snapshots");
   parser.value(
@@ -156,6 +190,7 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
                });
   add_lightmap_options(parser, result);
   add_radiosity_options(parser, result.radiosity);
+  add_checkpoint_options(parser, result);
   add_snapshot_options(parser, result);
   add_scene_options(parser, result.scene);
   add_common_options(parser, result.common);
@@ -166,6 +201,7 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
   check(result.radiosity);
   check_output(result);
   check_lightmap(result);
+  check_checkpoint(result);
   check_snapshots(result);
   check_report(result.common);
   return result;

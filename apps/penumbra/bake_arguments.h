@@ -21,6 +21,8 @@ struct BakeArguments {
   std::optional<int> lightmap_size;        ///< texels
   std::optional<double> texels_per_metre;  ///< of the lightmap
   std::optional<double> noise;             ///< aimed at, of the lightmap, relative
+  std::optional<std::string> checkpoint;   ///< a file to keep elements, form factors and lights in
+  std::optional<std::string> resume;       ///< such a file, instead of computing them
   std::optional<std::string> snapshots;    ///< a folder for a picture of each stage
   std::optional<std::size_t> snapshot_every;
   bool snapshot_meshes = false;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "bake_arguments.h"
+#include "checkpoint.h"
 #include "command.h"
 #include "console.h"
 #include "exit_code.h"
@@ -35,6 +36,7 @@ Report report_on(const BakeArguments& arguments, const RadiositySetup& setup, co
           {"solver", arguments.radiosity.solver},
           {"form_factors", arguments.radiosity.form_factors},
           {"seed", arguments.common.seed},
+          {"resumed", arguments.resume.has_value()},
           {"elements", setup.mesh.surface_count()},
           {"links", setup.factors.values.size()},
           {"iterations", s.iterations},
@@ -47,12 +49,14 @@ Report report_on(const BakeArguments& arguments, const RadiositySetup& setup, co
             {"escaped", s.energy.escaped},
             {"absorbed_by_backs", solved.absorbed_by_backs},
             {"unshot", s.energy.unshot}}},
+          {"specular", {{"rays", setup.specular_rays}, {"irradiance_error", solved.specular_error}}},
           {"error_bound", finite_or_null(s.error_bound)},
           {"seconds",
            {{"load", seconds.load},
             {"mesh", setup.seconds.mesh},
             {"form_factors", setup.seconds.form_factors},
             {"direct", setup.seconds.direct},
+            {"specular", setup.seconds.specular},
             {"solve", seconds.solve},
             {"gather", 0.0},
             {"write", seconds.write}}},
@@ -99,8 +103,22 @@ void say_result(const BakeArguments& arguments, const RadiositySetup& setup, con
       "escaped, {:.2f} s",
       arguments.output, setup.mesh.surface_count(), setup.factors.values.size(), s.iterations,
       arguments.radiosity.solver, s.energy.emitted, 100 * s.energy.absorbed / all, 100 * s.energy.escaped / all,
-      seconds.load + setup.seconds.mesh + setup.seconds.direct + setup.seconds.form_factors + seconds.solve +
-          seconds.write));
+      seconds.load + setup.seconds.mesh + setup.seconds.direct + setup.seconds.form_factors + setup.seconds.specular +
+          seconds.solve + seconds.write));
+}
+
+std::unique_ptr<RadiositySetup> set_up(const BakeArguments& arguments, const Scene& scene, const Progress& progress) {
+  const RadiositySetupOptions options =
+      setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed);
+  if (arguments.resume) return read_checkpoint(*arguments.resume, scene, options);
+  auto setup = make_radiosity_setup(scene, options, progress);
+  if (arguments.checkpoint && setup->partial) {
+    setup->warnings.push_back(*arguments.checkpoint +
+                              ": no checkpoint was written, the computation was stopped before");
+  } else if (arguments.checkpoint) {
+    write_checkpoint(*arguments.checkpoint, scene, *setup);
+  }
+  return setup;
 }
 
 int bake_scene(const BakeArguments& arguments) {
@@ -119,8 +137,7 @@ int bake_scene(const BakeArguments& arguments) {
   const Progress progress{[&](std::string_view stage, double fraction) { console.progress(stage, fraction); },
                           interrupt.token()};
   interrupt.something_to_keep();
-  const auto setup = make_radiosity_setup(
-      scene, setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed), progress);
+  const auto setup = set_up(arguments, scene, progress);
   console.warn(setup->warnings);
   warnings.insert(warnings.end(), setup->warnings.begin(), setup->warnings.end());
 

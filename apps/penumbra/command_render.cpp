@@ -34,7 +34,7 @@ struct Drawn {
 
 DiffuseSolution solve_for(const RenderArguments& arguments, const Scene& scene, const Progress& progress,
                           Console& console) {
-  if (arguments.solution) return read_solution(*arguments.solution);
+  if (arguments.solution) return read_solution(*arguments.solution, scene);
   const auto setup = make_radiosity_setup(
       scene, setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed), progress);
   console.warn(setup->warnings);

@@ -68,7 +68,8 @@ DiffuseSolution diffuse_solution(const Scene& scene, const PatchMesh& mesh, cons
                     .irradiance = solution.irradiance,
                     .radiosity = solution.radiosity,
                     .object_names = {},
-                    .partial = solution.partial};
+                    .partial = solution.partial,
+                    .scene = fingerprint(scene)};
   for (std::size_t i = 0; i < scene.object_count(); ++i) s.object_names.push_back(object_label(scene, i));
   return s;
 }
@@ -84,6 +85,7 @@ ElementTable element_table(const DiffuseSolution& s) {
   t.irradiance = s.irradiance;
   t.radiosity = s.radiosity;
   t.partial = s.partial;
+  t.fingerprints = {to_text(s.scene.ways), to_text(s.scene.light)};
   t.vertices = s.mesh.vertices;
   t.corner_offsets.push_back(0);
   for (std::size_t i = 0; i < rows; ++i) {
@@ -97,8 +99,22 @@ ElementTable element_table(const DiffuseSolution& s) {
   return t;
 }
 
-DiffuseSolution read_solution(const std::string& path) {
+/// Files that do not say what scene they are of are taken on trust.
+void check_scene(const std::string& path, const ElementTable& t, const SceneFingerprint& scene) {
+  if (t.fingerprints.size() != 2) return;
+  if (hash_of_text(t.fingerprints[0]) != scene.ways) {
+    throw FileError(path, "", "is the solution of a scene with other surfaces or lights; bake this scene");
+  }
+  if (hash_of_text(t.fingerprints[1]) != scene.light) {
+    throw FileError(path, "",
+                    "is the solution of this scene with other colours or intensities; bake it again (--checkpoint and "
+                    "--resume make that quick)");
+  }
+}
+
+DiffuseSolution read_solution(const std::string& path, const Scene& scene) {
   const ElementTable t = read_element_table(path);
+  check_scene(path, t, fingerprint(scene));
   DiffuseSolution s;
   s.mesh.vertices = t.vertices;
   s.mesh.reflectance = t.reflectance;

@@ -5,6 +5,7 @@
 #include "penumbra/io/element_table.h"
 #include "penumbra/radiosity/patch_mesh.h"
 #include "penumbra/radiosity/pipeline/scene_radiosity.h"
+#include "penumbra/scene/fingerprint.h"
 
 namespace penumbra::cli {
 
@@ -15,6 +16,7 @@ struct DiffuseSolution {
   std::vector<double> radiosity;          ///< W/m^2
   std::vector<std::string> object_names;  ///< by the objects' numbers in the mesh's surfaces
   bool partial = false;
+  SceneFingerprint scene;  ///< of the scene that it is of
 };
 
 /// Of a scene that was just solved.
@@ -24,8 +26,8 @@ struct DiffuseSolution {
 /// As columns, for .npz and .csv.
 [[nodiscard]] ElementTable element_table(const DiffuseSolution& solution);
 
-/// Reads what `bake` wrote as .npz. Throws FileError.
-[[nodiscard]] DiffuseSolution read_solution(const std::string& path);
+/// Reads what `bake` wrote as .npz. Throws FileError, also when it is of another scene than this one.
+[[nodiscard]] DiffuseSolution read_solution(const std::string& path, const Scene& scene);
 
 /// How colours come from radiosity.
 struct ColourScale {

@@ -7,6 +7,7 @@
 
 #include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
+#include "radiosity/enclosures.h"
 #include "radiosity/view3d_cases.h"
 
 namespace penumbra {
@@ -44,6 +45,29 @@ TEST(PairMethods, NusseltIsBetterThanPointAndAnalyticIsExact) {
   const double point = worst("point"), nusselt = worst("nusselt"), analytic = worst("analytic");
   EXPECT_LT(nusselt, point);
   EXPECT_LT(analytic, 1e-8);
+}
+
+// Regular grids: many lines between centres pass exactly through the room's edges.
+TEST(PairMethods, NothingShinesThroughTheEdgesOfAClosedRoom) {
+  for (const int n : {3, 4, 5}) {
+    std::vector<Polygon> polygons = test::room_elements({1, 1, 1}, n);
+    const std::size_t inside = polygons.size();
+    for (const int m : {4, 7}) {
+      polygons.resize(inside);
+      const Polygon lamp{{2, -0.5, -0.5}, {2, -0.5, 1.5}, {2, 1.5, 1.5}, {2, 1.5, -0.5}};
+      for (Polygon& cell : test::grid(lamp, m, m)) polygons.push_back(std::move(cell));
+      const PatchMesh mesh = test::element_mesh(polygons);
+      for (const char* name : {"point", "nusselt", "hemicube", "auto"}) {
+        const auto method = make_form_factor_method(name, mesh);
+        for (std::size_t block = 0; block < method->block_count(); ++block) {
+          for (const PairFactor& pair : method->block(block).pairs) {
+            EXPECT_FALSE(pair.i < inside && pair.j >= inside && pair.exchange > 0)
+                << name << " " << n << " " << m << " " << pair.exchange;
+          }
+        }
+      }
+    }
+  }
 }
 
 // Where something stands partly in between, what the method cannot know is in its error.

@@ -73,6 +73,7 @@ void write_npz(const std::filesystem::path& path, const ElementTable& t) {
   zip.add("corner_offsets.npy", npy_array(t.corner_offsets));
   zip.add("corners.npy", npy_array(t.corners));
   zip.add("partial.npy", npy_truth(t.partial));
+  if (!t.fingerprints.empty()) zip.add("fingerprints.npy", npy_array(t.fingerprints));
   zip.finish();
   out.commit();
 }
@@ -181,6 +182,7 @@ ElementTable read_element_table(const std::filesystem::path& path) {
   columns.check("side", sides.size());
   for (const std::string& side : sides) t.backs.push_back(side == "back");
   t.partial = file.truth("partial");
+  if (file.has("fingerprints")) t.fingerprints = file.texts("fingerprints");
   const std::vector<double> flat = file.doubles("vertices");
   for (std::size_t i = 0; i + 2 < flat.size(); i += 3) t.vertices.emplace_back(flat[i], flat[i + 1], flat[i + 2]);
   t.corner_offsets = file.integers("corner_offsets");

@@ -21,7 +21,8 @@ struct ElementTable {
   std::vector<std::int64_t> surfaces;
   std::vector<std::string> objects;
   std::vector<bool> backs;
-  bool partial = false;  ///< the computation was stopped
+  bool partial = false;                   ///< the computation was stopped
+  std::vector<std::string> fingerprints;  ///< what identifies the scene; in .npz alone, may be missing
 
   // The elements' polygons; in .npz alone, as `vertices`, `corner_offsets` and `corners`.
   std::vector<Vec3d> vertices;               ///< m

@@ -37,7 +37,8 @@ struct HemicubeOptions {
   int resolution = 128;  ///< pixels along the edge of the top, even, 2 to 4096
   HemicubeVisibility visibility = HemicubeVisibility::z_buffer;
   /// Turns each patch's hemicube about its normal by an angle of its own, which makes the pixels' aliasing differ from
-  /// patch to patch instead of drawing the same pattern on all.
+  /// patch to patch instead of drawing the same pattern on all. Otherwise all are turned by the same small angle:
+  /// straight ones look exactly through the corners of regular rooms, and light leaks there.
   bool rotate = false;
   /// Pairs whose centres are nearer than this many times the sum of their radii take the exact unoccluded factor times
   /// the share of their pixels that is not covered: there the centre stands badly for the whole patch and a pixel is

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "penumbra/math/polygon.h"
 #include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/nusselt.h"
 #include "penumbra/radiosity/form_factors/obstructed_exchange.h"
@@ -80,13 +81,14 @@ class PairwiseMethod : public FormFactorMethod {
     Visibility v;
     const Shaft shaft(bounds_[i], bounds_[j]);
     const auto a = mesh_.polygon(i), b = mesh_.polygon(j);
+    const Vec3d from = centre_before(i, j), to = centre_before(j, i);
     for (std::uint32_t k = 0; k < occluders_.size(); ++k) {
       if (shaft.misses(occluders_.bounds[k])) continue;
       const Sight sight = index_.sight(a, b, k);
       if (sight == Sight::hidden) return {false, true};
       if (sight == Sight::partial) {
         v.undivided = false;
-        v.centres = v.centres && !crosses(i, j, k);
+        v.centres = v.centres && !crosses(from, to, k);
       }
     }
     return v;
@@ -97,13 +99,27 @@ class PairwiseMethod : public FormFactorMethod {
   const PatchMesh& mesh_;
 
  private:
-  // Whether the segment between the centres meets an occluder.
-  [[nodiscard]] bool crosses(std::uint32_t i, std::uint32_t j, std::uint32_t k) const {
-    const Vec3d &from = mesh_.centroids[i], &to = mesh_.centroids[j];
+  // The centre of a patch or, when it reaches behind another, of what is in front of that.
+  [[nodiscard]] Vec3d centre_before(std::uint32_t patch, std::uint32_t other) const {
+    const Plane3 horizon{mesh_.normals[other], dot(mesh_.normals[other], mesh_.centroids[other])};
+    const auto polygon = mesh_.polygon(patch);
+    if (std::all_of(polygon.begin(), polygon.end(), [&](const Vec3d& v) { return horizon.distance(v) >= 0; })) {
+      return mesh_.centroids[patch];
+    }
+    std::vector<Vec3d> above;
+    clip_polygon(polygon, horizon, 0, above);
+    return above.size() < 3 ? mesh_.centroids[patch] : polygon_centroid(above);
+  }
+
+  // Whether the segment between two points meets an occluder.
+  [[nodiscard]] bool crosses(const Vec3d& from, const Vec3d& to, std::uint32_t k) const {
     const Plane3& plane = occluders_.planes[k];
     const double a = plane.distance(from), b = plane.distance(to), slack = occluders_.slack[k];
     if (std::abs(a) <= slack || std::abs(b) <= slack || (a > 0) == (b > 0)) return false;
-    return convex_contains(occluders_.polygon(k), from + a / (a - b) * (to - from));
+    // What passes exactly along an edge is hidden: where two walls meet neither may leave it to the other.
+    const Vec3d at = from + a / (a - b) * (to - from);
+    const auto edges = index_.planes(k).subspan(1);
+    return std::all_of(edges.begin(), edges.end(), [&](const Plane3& edge) { return edge.distance(at) >= -slack; });
   }
 
   std::string name_;

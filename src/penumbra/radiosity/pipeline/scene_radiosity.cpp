@@ -9,6 +9,7 @@
 
 #include "penumbra/radiosity/direct_irradiance.h"
 #include "penumbra/radiosity/meshing/adaptive_elements.h"
+#include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/uniform.h"
 #include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/factor_rows.h"
@@ -67,6 +68,13 @@ void cut_where_light_varies(const Scene& scene, const RadiositySetupOptions& opt
   setup.partial = made.partial;
 }
 
+void blacken_backs(PatchMesh& mesh) {
+  for (std::size_t i = 0; i < mesh.surface_count(); ++i) {
+    if (!mesh.surfaces[i].back) continue;
+    for (std::size_t b = 0; b < 3; ++b) mesh.reflectance[3 * i + b] = mesh.emission[3 * i + b] = 0;
+  }
+}
+
 void make_elements(const Scene& scene, const RadiositySetupOptions& options, const Progress& progress,
                    RadiositySetup& setup) {
   if (options.subdivision == Subdivision::adaptive) {
@@ -77,11 +85,7 @@ void make_elements(const Scene& scene, const RadiositySetupOptions& options, con
   if (setup.mesh.surface_count() == 0) {
     throw std::invalid_argument("the scene has no surface, so there is nothing to distribute light on");
   }
-  if (!options.front_sides_only) return;
-  for (std::size_t i = 0; i < setup.mesh.surface_count(); ++i) {
-    if (!setup.mesh.surfaces[i].back) continue;
-    for (std::size_t b = 0; b < 3; ++b) setup.mesh.reflectance[3 * i + b] = setup.mesh.emission[3 * i + b] = 0;
-  }
+  if (options.front_sides_only) blacken_backs(setup.mesh);
 }
 
 void refuse_what_does_not_fit(const RadiositySetupOptions& options, std::size_t elements) {
@@ -127,9 +131,9 @@ double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& s
 }
 
 // What mirrors and glass pass on is not theirs to reflect diffusely. None are found when their light is not wanted.
-SpecularElements leave_to_mirrors(const Scene& scene, const RadiositySetupOptions& options, RadiositySetup& setup) {
+SpecularElements leave_to_mirrors(const Scene& scene, bool wanted, RadiositySetup& setup) {
   setup.passes_light.assign(setup.mesh.surface_count(), false);
-  if (options.specular_rays == 0) return {};
+  if (!wanted) return {};
   SpecularElements specular = find_specular_elements(scene, setup.mesh, MeshingOptions{}.shape_segments);
   if (!specular.any()) return specular;
   share_reflectance(scene, specular, setup.mesh);
@@ -218,7 +222,7 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
     return setup;
   }
   make_elements(scene, options, progress, *setup);
-  const SpecularElements specular = leave_to_mirrors(scene, options, *setup);
+  const SpecularElements specular = leave_to_mirrors(scene, options.specular_rays > 0, *setup);
   setup->problem = make_radiosity_problem(setup->mesh);
   setup->seconds.mesh = watch.lap();
 
@@ -242,6 +246,12 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   setup->seconds.specular = watch.lap();
   relight(scene, *setup);
   return setup;
+}
+
+void repaint(const Scene& scene, bool with_mirrors, RadiositySetup& setup) {
+  paint_elements(scene, MeshingOptions{}.shape_segments, setup.mesh);
+  if (setup.front_sides_only) blacken_backs(setup.mesh);
+  (void)leave_to_mirrors(scene, with_mirrors, setup);
 }
 
 void relight(const Scene& scene, RadiositySetup& setup) {

@@ -75,6 +75,9 @@ struct RadiositySetup {
                                                                    const RadiositySetupOptions& options,
                                                                    const Progress& progress = {});
 
+/// Colours and emission of the elements as `scene` has them now. @param with_mirrors whether mirrors and glass pass
+/// light on, by extended form factors.
+void repaint(const Scene& scene, bool with_mirrors, RadiositySetup& setup);
 /// Lights without a body at the strength that they have in `scene` now, by what they brought when the setup was made.
 void relight(const Scene& scene, RadiositySetup& setup);
 
