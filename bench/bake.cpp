@@ -1,8 +1,8 @@
 // How long until a lightmap is right to 1 %?
 //
-// cornell-box with 64 x 64 texels on each of its 15 quadrilaterals (the lamp has none of its own worth; 61,440 texels
-// of the other fifteen), baked to a noise aimed at, against a reference of the same texels baked with many more rays:
-// seconds, RMS error relative to each surface's mean, and the worst surface. Then an atlas of 512 x 512.
+// cornell-box with 64 x 64 texels on each of the 15 quadrilaterals beside the lamp (61,440 texels; 64 more on the
+// lamp), baked to a noise aimed at, against a reference of the same texels baked with many more rays: seconds, RMS
+// error relative to each surface's mean, and the worst surface. Then an atlas of 512 x 512.
 //
 //   bench_bake [--json FILE] [--quick]
 
@@ -95,7 +95,6 @@ int main(int count, char** words) {
   fine.seed = 1;
   fine.noise = 1e-9;
   fine.fewest_rays = fine.most_rays = quick ? 4096 : 32768;
-  fine.reuse = false;
   const Clock fine_clock;
   const TexelLight reference = bake_texel_light(atlas, texels, fine);
   fmt::print("cornell-box, {} texels; reference {} rays a texel, {:.1f} s, estimated noise {:.3f} %\n\n",

@@ -34,7 +34,7 @@ std::unique_ptr<Solved> solved(Scene scene, const std::vector<Quad>& quads) {
   auto s = std::make_unique<Solved>();
   s->atlas = test::quad_atlas(std::move(scene), quads);
   s->texels = make_texels(s->atlas);
-  s->solution = std::make_unique<TexelSolution>(s->atlas, s->texels, false, 0, Progress{});
+  s->solution = std::make_unique<TexelSolution>(s->atlas, s->texels, TexelSolution::Options{}, Progress{});
   return s;
 }
 
@@ -164,9 +164,9 @@ TEST(DirectionalTexels, HalfASky) {
   for (std::size_t t = 0; t < s->texels.count(); ++t) {
     const float* c = &light.coefficients[12 * t];
     EXPECT_NEAR(c[0], 2 * pi * std::sqrt(1 / (4 * pi)), 1e-4);
-    EXPECT_NEAR(c[3], pi * std::sqrt(3 / (4 * pi)), 8e-3);  // y
-    EXPECT_NEAR(c[6], 0, 8e-3);
-    EXPECT_NEAR(c[9], 0, 8e-3);
+    EXPECT_NEAR(c[3], pi * std::sqrt(3 / (4 * pi)), 2e-2);  // y
+    EXPECT_NEAR(c[6], 0, 2e-2);
+    EXPECT_NEAR(c[9], 0, 2e-2);
   }
 }
 

@@ -14,21 +14,22 @@
 
 namespace penumbra::cornell_reference {
 
-inline constexpr int side = 256;
+inline constexpr int reference_side = 256;
 
 inline Image read_reference() {
   std::ifstream in(PENUMBRA_TEST_DATA "/cornell_reference/cornell_256.npy", std::ios::binary);
   const std::vector<char> bytes((std::istreambuf_iterator<char>(in)), {});
-  Image image(side, side);
+  Image image(reference_side, reference_side);
   const std::size_t payload = image.data.size() * sizeof(float);
   EXPECT_GT(bytes.size(), payload);
   std::memcpy(image.data.data(), bytes.data() + (bytes.size() - payload), payload);
   return image;
 }
 
-// Lamp pixels (10 and more) and two pixels around them.
+// Lamp pixels (10 and more) of a square picture and two pixels around them.
 inline std::vector<char> lamp_mask(const Image& reference) {
-  std::vector<char> mask(side * side, 0);
+  const int side = reference.width;
+  std::vector<char> mask(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
       if (max_component(reference.rgb(x, y)) < 10) continue;
@@ -43,6 +44,7 @@ inline std::vector<char> lamp_mask(const Image& reference) {
 
 // Root mean square of the difference of 4 x 4-pixel means, over the mean.
 inline double block_error(const Image& a, const Image& reference) {
+  const int side = reference.width;
   const std::vector<char> mask = lamp_mask(reference);
   double squares = 0, sum = 0;
   int blocks = 0;

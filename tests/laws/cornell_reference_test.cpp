@@ -18,7 +18,7 @@ Image render_box(int samples) {
   const RayTracer tracer(scene);
   RenderOptions options;
   options.integrator = IntegratorKind::path;
-  options.width = options.height = side;
+  options.width = options.height = reference_side;
   options.samples_per_pixel = samples;
   return render(tracer, scene.cameras.at(0), options).image;
 }

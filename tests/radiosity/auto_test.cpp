@@ -16,6 +16,7 @@
 
 #include "penumbra/math/transform.h"
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
 #include "penumbra/radiosity/form_factors/pair_methods.h"
 #include "penumbra/scene/builtin_scenes.h"
@@ -135,6 +136,52 @@ TEST(Auto, EmptyBoxIsTheClosedForm) {
   const FactorMatrix exact = assemble_factor_matrix(*make_analytic(mesh), mesh);
   for (std::size_t i = 0; i < m.rows(); ++i)
     for (std::size_t j = 0; j < m.rows(); ++j) EXPECT_NEAR(m.at(i, j), exact.at(i, j), 1e-7);
+}
+
+// A room with a box, all of its walls in triangles that meet corner to corner; `uneven`: corners inside the walls are
+// moved, so that no two triangles lie in one plane. Nothing leaves such a room.
+PatchMesh triangle_room(int n, double uneven) {
+  PolygonModel model;
+  add_cube(model, 0, 1, n, true);
+  add_cube(model, 0.25, 0.75, n, false);
+  PolygonModel triangles;
+  triangles.vertices = model.vertices;
+  for (const ModelPolygon& square : model.polygons) {
+    for (std::size_t half : {1U, 2U}) {
+      ModelPolygon triangle = square;
+      triangle.corners = {square.corners[0], square.corners[half], square.corners[half + 1]};
+      triangles.polygons.push_back(triangle);
+    }
+  }
+  for (Vec3d& v : triangles.vertices) {
+    const double outside = length(v - Vec3d(0.5)),
+                 wave = std::sin(9 * v.x + 1) * std::sin(8 * v.y + 2) * std::sin(7 * v.z);
+    v += uneven / n * wave / outside * (v - Vec3d(0.5));
+  }
+  return make_patch_mesh(triangles).mesh;
+}
+
+TEST(Auto, TrianglesThatHideEachForItselfHideWhatTheirWallsHide) {
+  const PatchMesh mesh = triangle_room(3, 0);
+  const FactorMatrix merged = matrix_of(mesh, 1e-4), apart = matrix_of(mesh, 1e-4, false);
+  for (std::size_t i = 0; i < mesh.surface_count(); ++i) {
+    double difference = 0;
+    for (std::size_t j = 0; j < mesh.surface_count(); ++j) difference += std::abs(merged.at(i, j) - apart.at(i, j));
+    EXPECT_LE(difference, 2e-4) << i;
+    EXPECT_NEAR(apart.row_sum(i), 1, 1e-4) << i;
+  }
+}
+
+// Also where patches see each other along the horizon only, as neighbours in an uneven wall do.
+TEST(Auto, NothingInBetweenAddsLight) {
+  const PatchMesh mesh = triangle_room(2, 0.3);
+  const FactorMatrix m = matrix_of(mesh, 1e-3);
+  for (std::size_t i = 0; i < m.rows(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double open = exchange_area(mesh.polygon(i), mesh.polygon(j)) / mesh.areas[i];
+      EXPECT_LE(m.at(i, j), open * 1.001 + 1e-5) << i << " " << j;
+    }
+  }
 }
 
 TEST(Auto, ToleranceBoundsEachRowsError) {

@@ -1,6 +1,5 @@
 #include "penumbra/baking/outlook.h"
 
-#include <bit>
 #include <cmath>
 
 #include "penumbra/math/frame.h"
@@ -11,6 +10,8 @@ namespace penumbra {
 namespace {
 
 constexpr int lanes = Outlook::lanes;
+/// Directions of all lanes lie in one of 2^cell_digits cells of the hemisphere.
+constexpr int cell_digits = 6;
 
 /// Bits [2 - each] of a lane's place in a square of 4 x 4 (lanes stand along a Morton curve).
 std::uint32_t lane_column(int lane) { return static_cast<std::uint32_t>((lane & 1) | ((lane >> 1) & 2)); }
@@ -73,12 +74,10 @@ void Outlook::set(int lane, const Vec3d& position, const Vec3d& normal, const Ve
 void Outlook::rays(std::uint32_t index, RayPacket& packet) const {
   const std::uint32_t u = owen_scramble(sobol_bits(index, 0), seed_[0]);
   const std::uint32_t v = owen_scramble(sobol_bits(index, 1), seed_[1]);
-  // Points [2^n, 2^(n+1)) lie one in each of 2^n cells.
-  const int n = index == 0 ? 0 : std::bit_width(index) - 1;
   std::uint32_t bits_u[lanes], bits_v[lanes];
   for (int i = 0; i < lanes; ++i) {
-    bits_u[i] = u ^ (shift_[0][i] >> ((n + 1) / 2));
-    bits_v[i] = v ^ (shift_[1][i] >> (n / 2));
+    bits_u[i] = u ^ (shift_[0][i] >> (cell_digits / 2));
+    bits_v[i] = v ^ (shift_[1][i] >> (cell_digits / 2));
   }
   float x[lanes], y[lanes], z[lanes];
   cosine_directions(bits_u, bits_v, x, y, z);

@@ -15,8 +15,8 @@ enum class Spread {
 
 /// Sixteen places on surfaces that look over their hemispheres side by side, single precision.
 ///
-/// All lanes share one Owen-scrambled Sobol sequence of directions; each has a shift of its own by
-/// digits too fine to leave the cell (one of K, after K rays) that a direction lies in. So each lane's directions are a
+/// All lanes share one Owen-scrambled Sobol sequence of directions; each has a digital shift of its own
+/// by digits too fine to leave the cell (one of 64) that a direction lies in. So each lane's directions are a
 /// (0,2)-sequence, the lanes' rays run nearly parallel wherever their normals agree, and sixteen lanes together are
 /// stratified more finely still.
 class alignas(64) Outlook {

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
+#include "penumbra/math/frame.h"
+#include "penumbra/math/sampling.h"
+#include "penumbra/math/sobol.h"
 #include "penumbra/parallel/parallel_for.h"
 
 namespace penumbra {
@@ -18,6 +22,13 @@ std::array<Vec2d, 16> points_of_texel() {
   }
   std::stable_sort(points.begin(), points.end(), [](const Vec2d& a, const Vec2d& b) { return dot(a, a) < dot(b, b); });
   return points;
+}
+
+/// Sixteen directions spread over the hemisphere.
+std::array<Vec3d, RayPacket::size> directions_of_look() {
+  std::array<Vec3d, RayPacket::size> all;
+  for (std::uint32_t k = 0; k < all.size(); ++k) all[k] = sample_cosine_hemisphere(owen_sobol_2d(k, 1));
+  return all;
 }
 
 /// Of a texel's edge: a wall this near to its point is in its way.
@@ -119,12 +130,18 @@ std::optional<SamplePoints::Moved> SamplePoints::examine(std::uint32_t texel, co
 }
 
 bool SamplePoints::sees_only_backs(const Place& place) const {
-  Outlook outlook(1);
-  const Vec3d origin = lifted(place);
-  for (int lane = 0; lane < Outlook::lanes; ++lane) outlook.set(lane, origin, place.normal, place.normal, 1);
+  static const std::array<Vec3d, RayPacket::size> directions = directions_of_look();
+  const Frame frame(place.normal);
+  const Vec3f origin(lifted(place));
   RayPacket packet;
   HitPacket hits;
-  outlook.rays(0, packet);
+  for (int i = 0; i < RayPacket::size; ++i) {
+    const Vec3f d(frame.to_world(directions[static_cast<std::size_t>(i)]));
+    packet.origin_x[i] = origin.x, packet.origin_y[i] = origin.y, packet.origin_z[i] = origin.z;
+    packet.direction_x[i] = d.x, packet.direction_y[i] = d.y, packet.direction_z[i] = d.z;
+    packet.t_min[i] = 0, packet.t_max[i] = HUGE_VALF;
+    packet.active[i] = -1;
+  }
   tracer_.nearest(packet, hits);
   for (int i = 0; i < RayPacket::size; ++i) {
     if (hits.object[i] == HitPacket::no_hit) return false;

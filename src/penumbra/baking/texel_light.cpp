@@ -92,7 +92,9 @@ TexelLight bake_texel_light(const LightmapAtlas& atlas, const Texels& texels, co
   if (count == 0) return light;
 
   progress.tell("texels", 0);
-  TexelSolution solution(atlas, texels, options.front_sides_only, options.seed, progress);
+  TexelSolution solution(atlas, texels,
+                         {.noise = options.noise, .front_sides_only = options.front_sides_only, .seed = options.seed},
+                         progress);
   const TexelMap& map = solution.map();
   const LightCells& cells = solution.cells();
   light.iterations = solution.iterations();

@@ -28,7 +28,6 @@ struct TexelLightOptions {
   double noise = 0.01;   ///< aimed RMS error of the luminance of each part of a surface, relative to its surface's mean
   int fewest_rays = 64;  ///< a texel, a power of 2
   int most_rays = 4096;  ///< a texel, a power of 2: where the aimed noise ends
-  bool reuse = true;     ///< take light from neighbours where it varies no more than its noise explains
   bool front_sides_only = false;  ///< backs are black and opaque
   std::uint64_t seed = 0;
   Progress progress{};

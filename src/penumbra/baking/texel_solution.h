@@ -16,9 +16,14 @@ namespace penumbra {
 /// gather from. Member functions are thread-safe once it is made.
 class TexelSolution {
  public:
+  struct Options {
+    double noise = 0.01;            ///< of what will be gathered, relative: the cells have rays enough not to add to it
+    bool front_sides_only = false;  ///< backs are black and opaque
+    std::uint64_t seed = 0;
+  };
+
   /// Both must outlive this. Throws std::invalid_argument for faces that make_patch_mesh refuses.
-  TexelSolution(const LightmapAtlas& atlas, const Texels& texels, bool front_sides_only, std::uint64_t seed,
-                const Progress& progress);
+  TexelSolution(const LightmapAtlas& atlas, const Texels& texels, const Options& options, const Progress& progress);
 
   [[nodiscard]] const TexelMap& map() const { return map_; }
   [[nodiscard]] const SamplePoints& points() const { return points_; }

@@ -11,6 +11,7 @@
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/cluster_lanes.h"
+#include "penumbra/radiosity/form_factors/cluster_sight.h"
 #include "penumbra/radiosity/form_factors/obstructed_exchange.h"
 #include "penumbra/radiosity/form_factors/occluder_index.h"
 #include "penumbra/radiosity/form_factors/occluder_polygons.h"
@@ -87,46 +88,29 @@ struct AutoFormFactors::Impl {
 
 /// One block's work: scratch memory and the result.
 struct AutoFormFactors::Impl::Worker {
-  explicit Worker(const Impl& i) : impl(i), obstructed(i.occluders) {}
+  explicit Worker(const Impl& i) : impl(i), sight(i.index, i.clusters), obstructed(i.occluders) {}
 
   void run(const Block& block);
   void run_row(std::uint32_t patch);
   void cluster_pair(std::size_t a, std::size_t b);
   void patch_row(std::size_t a, std::size_t lane, std::size_t b);
   [[nodiscard]] std::uint32_t same_surface(std::size_t slot, std::size_t cluster) const;
-  void find_blockers(std::size_t a, std::size_t lane, std::size_t b, std::uint32_t& facing);
-  void settle_steady_pairs(std::size_t slot, std::size_t b, std::uint32_t& facing);
   void refine_where_needed(std::size_t slot, std::size_t cluster, std::uint32_t facing);
-  void patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling);
+  void patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling, bool in_part);
+  void partial_pair(std::size_t slot_i, std::size_t slot_j, bool straddling);
+  void visible_pair(std::uint32_t i, std::uint32_t j, bool straddling, const ExchangeEstimate& estimate);
   [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j);
-  void finish_partial_pairs();
   void drop(std::size_t slot_i, std::size_t slot_j, double exchange);
-  void set_obstructed(std::uint32_t i, std::uint32_t j, std::span<const std::uint32_t> pair_blockers, double exchange);
+  void set_obstructed(std::uint32_t i, std::uint32_t j, std::size_t lane, double exchange);
   void emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e);
 
-  /// A partly hidden pair, put off until the block's others are known.
-  struct PartialPair {
-    std::uint32_t slot_i, slot_j;
-    std::uint32_t first_blocker, blocker_count;  // into partial_blockers
-    double open;                                 // exchange without the blockers, m^2
-  };
   const Impl& impl;
   FactorBlock out;
+  ClusterSight sight;
   ObstructedExchange obstructed;
   ExchangeAreaScratch analytic;
   LaneExchange open;
-  std::vector<std::uint32_t> listed;          // occluders between two clusters
-  std::vector<std::uint32_t> in_doubt;        // per listed occluder: lanes that it may hide in part
-  std::vector<std::uint32_t> steady;          // ... of these: lanes where no line passes its outer edges
-  std::vector<std::uint64_t> outer;           // per listed occluder: its outer edges
-  std::size_t sides_of = ~std::size_t{0};     // the cluster that `sides` is about
-  std::vector<signed char> sides;             // per occluder
-  std::vector<bool> back;                     // per listed occluder: seen from behind, fronts hide the same
-  std::vector<std::size_t> table_a, table_b;  // per listed occluder: its corner distances in `tables`
-  std::vector<double> tables;
-  std::vector<std::uint32_t> blockers;
-  std::vector<PartialPair> partial_pairs;
-  std::vector<std::uint32_t> partial_blockers;
+  bool disturbed = false;                       // something stands between the two clusters
   std::size_t first_row = 0, first_column = 0;  // slots
   std::vector<double> dropped_rows, dropped_columns;
   std::size_t only_lane = PatchClusters::lanes;  // of the first clusters; `lanes`: each lane, and each pair once
@@ -143,13 +127,17 @@ void AutoFormFactors::Impl::Worker::drop(std::size_t slot_i, std::size_t slot_j,
   dropped_columns[slot_j - first_column] += exchange;
 }
 
-void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j,
-                                                   std::span<const std::uint32_t> pair_blockers, double exchange) {
+void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j, std::size_t lane,
+                                                   double exchange) {
   const PatchMesh& m = impl.mesh;
   // Integrate over the smaller: the other one's factor is exact.
   if (m.areas[j] < m.areas[i] * (1 - 1e-9)) std::swap(i, j);
-  obstructed.set_pair(m.polygon(i), {m.normals[i], dot(m.normals[i], m.centroids[i])}, m.polygon(j),
-                      {m.normals[j], dot(m.normals[j], m.centroids[j])}, pair_blockers, exchange);
+  const Plane3 plane_i{m.normals[i], dot(m.normals[i], m.centroids[i])};
+  const Plane3 plane_j{m.normals[j], dot(m.normals[j], m.centroids[j])};
+  if (sight.has_loose(lane))
+    obstructed.set_pair(m.polygon(i), plane_i, m.polygon(j), plane_j, sight.occluders(lane), exchange);
+  else
+    obstructed.set_pair(m.polygon(i), plane_i, m.polygon(j), plane_j, sight.surface(lane), exchange);
 }
 
 /// The closed form: no rule's own error estimate can be trusted where patches touch.
@@ -158,88 +146,43 @@ ExchangeEstimate AutoFormFactors::Impl::Worker::near_exchange(std::uint32_t i, s
           1e-12 * std::min(impl.mesh.areas[i], impl.mesh.areas[j])};
 }
 
-void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling) {
+void AutoFormFactors::Impl::Worker::patch_pair(std::size_t slot_i, std::size_t slot_j, bool straddling, bool in_part) {
   const std::uint32_t i = impl.clusters.patch[slot_i], j = impl.clusters.patch[slot_j];
   const double exchange = open.exchange[slot_j % PatchClusters::lanes];
   const double error = open.error[slot_j % PatchClusters::lanes];
-  const double tolerance = impl.options.tolerance;
-  const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
+  const double by_area = impl.options.tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
   if (!straddling && exchange + error <= dropped_by_area * by_area) {
     drop(slot_i, slot_j, exchange + error);
-    return;
+  } else if (in_part) {
+    partial_pair(slot_i, slot_j, straddling);
+  } else {
+    visible_pair(i, j, straddling, {exchange, error});
   }
-  if (!blockers.empty()) {
-    partial_pairs.push_back({static_cast<std::uint32_t>(slot_i), static_cast<std::uint32_t>(slot_j),
-                             static_cast<std::uint32_t>(partial_blockers.size()),
-                             static_cast<std::uint32_t>(blockers.size()), exchange});
-    partial_blockers.insert(partial_blockers.end(), blockers.begin(), blockers.end());
-    return;
-  }
+}
+
+void AutoFormFactors::Impl::Worker::visible_pair(std::uint32_t i, std::uint32_t j, bool straddling,
+                                                 const ExchangeEstimate& estimate) {
+  const double tolerance = impl.options.tolerance;
+  const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
   // Where rule points nearly meet they say anything: no pair exchanges more than the smaller area.
-  const double most = std::min({exchange, impl.mesh.areas[i], impl.mesh.areas[j]});
+  const double most = std::min({estimate.exchange, impl.mesh.areas[i], impl.mesh.areas[j]});
   const double allowed = visible_by_area * by_area + visible_by_value * tolerance * most;
-  emit(i, j, !straddling && error <= allowed ? ExchangeEstimate{exchange, error} : near_exchange(i, j));
+  emit(i, j, !straddling && estimate.error <= allowed ? estimate : near_exchange(i, j));
 }
 
-void AutoFormFactors::Impl::Worker::finish_partial_pairs() {
-  for (const PartialPair& pair : partial_pairs) {
-    const std::uint32_t i = impl.clusters.patch[pair.slot_i], j = impl.clusters.patch[pair.slot_j];
-    set_obstructed(i, j, std::span(partial_blockers).subspan(pair.first_blocker, pair.blocker_count), pair.open);
-    const double tolerance = impl.options.tolerance;
-    const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
-    if (obstructed.blocker_count() == 0) {
-      emit(i, j, near_exchange(i, j));
-    } else {
-      emit(i, j,
-           obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
-                                impl.settings.max_cells));
-    }
+void AutoFormFactors::Impl::Worker::partial_pair(std::size_t slot_i, std::size_t slot_j, bool straddling) {
+  const std::uint32_t i = impl.clusters.patch[slot_i], j = impl.clusters.patch[slot_j];
+  const std::size_t lane = slot_j % PatchClusters::lanes;
+  set_obstructed(i, j, lane, open.exchange[lane]);
+  if (obstructed.uniform()) {
+    if (!obstructed.covered()) visible_pair(i, j, straddling, {open.exchange[lane], open.error[lane]});
+    return;
   }
-}
-
-/// Removes from `facing` the lanes that an occluder hides, and notes for each occluder the lanes it leaves in doubt.
-void AutoFormFactors::Impl::Worker::find_blockers(std::size_t a, std::size_t lane, std::size_t b,
-                                                  std::uint32_t& facing) {
-  for (std::size_t n = 0; n < listed.size(); ++n) {
-    const std::uint32_t k = listed[n];
-    const LaneVisibility v =
-        lane_visibility(impl.clusters, a, lane, tables.data() + table_a[n], b, tables.data() + table_b[n],
-                        impl.index.planes(k).size(), impl.occluders.slack[k], facing, outer[n]);
-    facing &= ~v.hidden;
-    in_doubt[n] = facing & ~v.visible;
-    steady[n] = v.steady;
-    for (std::uint32_t rest = in_doubt[n] & v.straddling; rest != 0; rest &= rest - 1) {
-      const auto l = static_cast<std::size_t>(std::countr_zero(rest));
-      const std::uint32_t i = impl.clusters.patch[a * PatchClusters::lanes + lane];
-      const std::uint32_t j = impl.clusters.patch[b * PatchClusters::lanes + l];
-      const Sight s = impl.index.sight(impl.mesh.polygon(i), impl.mesh.polygon(j), k);
-      if (s != Sight::partial) in_doubt[n] &= ~(1U << l);
-      if (s == Sight::hidden) facing &= ~(1U << l);
-    }
-    if (facing == 0) return;
-  }
-}
-
-/// Decides the pairs in doubt between which no line passes an outer edge of what may hide them: all lines are free or
-/// none, as one of them shows.
-void AutoFormFactors::Impl::Worker::settle_steady_pairs(std::size_t slot, std::size_t b, std::uint32_t& facing) {
-  std::uint32_t doubtful = 0, unsteady = 0;
-  for (std::size_t n = 0; n < listed.size(); ++n) {
-    if (back[n]) continue;
-    doubtful |= in_doubt[n];
-    unsteady |= in_doubt[n] & ~steady[n];
-  }
-  for (std::uint32_t rest = doubtful & ~unsteady & facing; rest != 0; rest &= rest - 1) {
-    const auto l = static_cast<std::size_t>(std::countr_zero(rest));
-    const std::uint32_t bit = 1U << l;
-    const Vec3d& p = impl.mesh.centroids[impl.clusters.patch[slot]];
-    const Vec3d& q = impl.mesh.centroids[impl.clusters.patch[b * PatchClusters::lanes + l]];
-    bool hidden = false;
-    for (std::size_t n = 0; n < listed.size() && !hidden; ++n)
-      hidden = (in_doubt[n] & bit) != 0 && !back[n] && impl.index.cuts(p, q, listed[n]);
-    if (hidden) facing &= ~bit;
-    for (std::uint32_t& lanes : in_doubt) lanes &= ~bit;
-  }
+  const double tolerance = impl.options.tolerance;
+  const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
+  emit(i, j,
+       obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
+                            impl.settings.max_cells));
 }
 
 /// Takes the finer rule for the lanes whose error is more than a visible pair is allowed.
@@ -273,19 +216,15 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
   if (a == b) facing &= surveys || only_lane == lane ? ~(1U << lane) : ~((2U << lane) - 1U);  // each pair once
   if (impl.options.between_surfaces_only) facing &= ~same_surface(slot, b);
   if (facing == 0) return;
-  find_blockers(a, lane, b, facing);
-  settle_steady_pairs(slot, b, facing);
+  const std::uint32_t in_part = disturbed ? sight.look(lane, facing) : 0;
   if (facing == 0) return;
-  if (!surveys) refine_where_needed(slot, b, facing);
+  if (!surveys) refine_where_needed(slot, b, facing & ~in_part);
   for (std::uint32_t rest = facing; rest != 0; rest &= rest - 1) {
     const auto l = static_cast<std::size_t>(std::countr_zero(rest));
     const std::uint32_t bit = 1U << l;
-    blockers.clear();
-    for (std::size_t n = 0; n < listed.size(); ++n)
-      if ((in_doubt[n] & bit) != 0 && !back[n]) blockers.push_back(listed[n]);
     if (!surveys) {
-      patch_pair(slot, b * PatchClusters::lanes + l, (open.straddling & bit) != 0);
-    } else if (!blockers.empty()) {
+      patch_pair(slot, b * PatchClusters::lanes + l, (open.straddling & bit) != 0, (in_part & bit) != 0);
+    } else if ((in_part & bit) != 0) {
       (*surveys)[lane].by_area += impl.clusters.area[b * PatchClusters::lanes + l] / impl.total_area;
       (*surveys)[lane].by_value += open.exchange[l] / impl.clusters.area[slot];
     }
@@ -300,31 +239,9 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
                                   [&](const Vec3d& v) { return of.plane.distance(v) <= impl.coplanar; });
   };
   if (behind(first, second) || behind(second, first)) return;
-  if (impl.index.between(first, second, listed) == Sight::hidden) return;
-  std::size_t used = 0;
-  table_a.clear();
-  table_b.clear();
-  in_doubt.assign(listed.size(), 0);
-  steady.assign(listed.size(), 0);
-  back.clear();
-  outer.clear();
-  if (!listed.empty() && sides_of != a) {
-    sides = impl.index.sides(first);
-    sides_of = a;
-  }
-  for (std::uint32_t k : listed) {
-    back.push_back(impl.index.is_back(first, k));
-    outer.push_back(impl.index.outer_edges(k, sides));
-    const auto planes = impl.index.planes(k);
-    const auto append = [&](std::size_t cluster, std::vector<std::size_t>& at) {
-      at.push_back(used);
-      used += planes.size() * impl.clusters.clusters[cluster].corner_count * PatchClusters::lanes;
-      if (tables.size() < used) tables.resize(2 * used);
-      corner_distances(impl.clusters, cluster, planes, tables.data() + at.back());
-    };
-    append(a, table_a);
-    append(b, table_b);
-  }
+  const Sight between = sight.begin(a, b);
+  if (between == Sight::hidden) return;
+  disturbed = between == Sight::partial;
   for (std::size_t lane = 0; lane < first.count; ++lane)
     if (only_lane == PatchClusters::lanes || only_lane == lane) patch_row(a, lane, b);
 }
@@ -337,7 +254,6 @@ void AutoFormFactors::Impl::Worker::run(const Block& block) {
   dropped_columns.assign((column_end - block.column) * PatchClusters::lanes, 0.0);
   for (std::size_t a = block.row; a < block.row_end; ++a)
     for (std::size_t b = std::max(a, block.column); b < column_end; ++b) cluster_pair(a, b);
-  finish_partial_pairs();
   const auto report = [&](const std::vector<double>& sums, std::size_t first) {
     for (std::size_t slot = 0; slot < sums.size(); ++slot)
       if (sums[slot] > 0) out.dropped.push_back({impl.clusters.patch[first + slot], sums[slot]});
@@ -355,7 +271,6 @@ void AutoFormFactors::Impl::Worker::run_row(std::uint32_t patch) {
   dropped_rows.assign(PatchClusters::lanes, 0.0);
   dropped_columns.assign(impl.clusters.size() * PatchClusters::lanes, 0.0);
   for (std::size_t b = 0; b < impl.clusters.size(); ++b) cluster_pair(a, b);
-  finish_partial_pairs();
 }
 
 /// Finds the largest part that partly hidden pairs have in some rows, and raises what one of them may err accordingly.

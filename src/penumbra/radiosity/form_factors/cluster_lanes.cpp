@@ -193,9 +193,96 @@ void corner_distances_lanes(const PatchClusters& c, std::size_t index, std::span
   }
 }
 
+/// Where the polygon of lane `lane` meets an occluder's plane: the least and the most that its points there are inside
+/// edge e.
+struct Cut {
+  double least = 1e300, most = -1e300;
+  Cut(const double* table, std::size_t corners, std::size_t e, std::size_t lane) {
+    for (std::size_t k = 0; k < corners; ++k) {
+      const std::size_t next = k + 1 == corners ? 0 : k + 1;
+      const double h0 = table[k * lanes + lane], h1 = table[next * lanes + lane];
+      const double e0 = table[(e * corners + k) * lanes + lane], e1 = table[(e * corners + next) * lanes + lane];
+      if (h0 == 0) grow(e0);
+      if ((h0 < 0) != (h1 < 0)) grow(e0 + h0 / (h0 - h1) * (e1 - e0));
+    }
+  }
+  void grow(double v) {
+    least = std::min(least, v);
+    most = std::max(most, v);
+  }
+};
+
+/// The same in the lanes from l on.
+struct LaneCuts {
+  V least = set(1e300), most = set(-1e300);
+  HWY_INLINE LaneCuts(const double* table, std::size_t corners, std::size_t e, std::size_t l) {
+    const D d;
+    const V zero = hn::Zero(d);
+    for (std::size_t k = 0; k < corners; ++k) {
+      const std::size_t next = k + 1 == corners ? 0 : k + 1;
+      const V h0 = hn::LoadU(d, table + k * lanes + l), h1 = hn::LoadU(d, table + next * lanes + l);
+      const V e0 = hn::LoadU(d, table + (e * corners + k) * lanes + l),
+              e1 = hn::LoadU(d, table + (e * corners + next) * lanes + l);
+      const M cut = hn::Xor(hn::Lt(h0, zero), hn::Lt(h1, zero)), on = hn::Eq(h0, zero);
+      const V at = hn::IfThenElse(cut, hn::MulAdd(hn::Div(h0, hn::Sub(h0, h1)), hn::Sub(e1, e0), e0), e0);
+      const M counts = hn::Or(cut, on);
+      least = hn::IfThenElse(counts, hn::Min(least, at), least);
+      most = hn::IfThenElse(counts, hn::Max(most, at), most);
+      least = hn::IfThenElse(on, hn::Min(least, e0), least);
+      most = hn::IfThenElse(on, hn::Max(most, e0), most);
+    }
+  }
+};
+
+/// Two patches of which an occluder's plane cuts one at least: lines cross it from parts on one side to parts on the
+/// other, both bounded by the plane.
+class Straddling {
+ public:
+  Straddling(const double* first_table, std::size_t na, std::size_t lane, const double* second_table, std::size_t nb,
+             std::size_t l, double slack)
+      : first_(first_table), second_(second_table), na_(na), nb_(nb), lane_(lane), l_(l), slack_(slack) {}
+
+  /// Looks at the occluder's edge e. Returns the lanes where all lines pass inside it.
+  HWY_INLINE M look(std::size_t e) {
+    const D d;
+    const V zero = hn::Zero(d), tiny = set(slack_);
+    const Cut own(first_, na_, e, lane_);
+    const LaneCuts their(second_, nb_, e, l_);
+    const M never = hn::Lt(tiny, zero);
+    const M outside = own.most <= slack_ ? hn::Le(their.most, tiny) : never;
+    V high_forth = set(-1e300), high_back = high_forth, low = set(1e300);
+    for (std::size_t a = 0; a < na_; ++a) {
+      const double ha = first_[a * lanes + lane_];
+      if (ha == 0) continue;
+      const V wa = set(std::abs(ha)), ea = set(first_[(e * na_ + a) * lanes + lane_]);
+      V& high = ha > 0 ? high_forth : high_back;
+      for (std::size_t b = 0; b < nb_; ++b) {
+        const V hb = hn::LoadU(d, second_ + b * lanes + l_), wb = hn::Abs(hb);
+        const V eb = hn::LoadU(d, second_ + (e * nb_ + b) * lanes + l_);
+        const M opposite = ha > 0 ? hn::Lt(hb, zero) : hn::Gt(hb, zero);
+        const V side = hn::MulAdd(wb, ea, hn::Mul(wa, eb)), margin = hn::Mul(tiny, hn::Add(wa, wb));
+        high = hn::IfThenElse(opposite, hn::Max(high, hn::Sub(side, margin)), high);
+        low = hn::IfThenElse(opposite, hn::Min(low, hn::Add(side, margin)), low);
+      }
+    }
+    forth_ = hn::Or(forth_, hn::And(outside, hn::Le(high_forth, zero)));
+    back_ = hn::Or(back_, hn::And(outside, hn::Le(high_back, zero)));
+    return hn::And(own.least >= -slack_ ? hn::Ge(their.least, hn::Neg(tiny)) : never, hn::Ge(low, zero));
+  }
+
+  [[nodiscard]] M visible() const { return hn::And(forth_, back_); }
+
+ private:
+  const double *first_, *second_;
+  std::size_t na_, nb_, lane_, l_;
+  double slack_;
+  M forth_ = hn::Lt(hn::Zero(D()), hn::Zero(D())), back_ = forth_;  // from front to back, and from back to front
+};
+
 LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, std::size_t lane,
                                      const double* first_table, std::size_t second, const double* second_table,
-                                     std::size_t planes, double slack, std::uint32_t wanted, std::uint64_t outer) {
+                                     std::size_t planes, double slack, std::uint32_t wanted,
+                                     std::uint32_t* inside_lanes) {
   const D d;
   const std::size_t n = hn::Lanes(d);
   const std::size_t na = c.clusters[first].corner_count, nb = c.clusters[second].corner_count;
@@ -206,6 +293,8 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
     high_a = std::max(high_a, h);
   }
   LaneVisibility out;
+  out.side = static_cast<signed char>((low_a >= -slack ? 1 : 0) - (high_a <= slack ? 1 : 0));
+  std::fill_n(inside_lanes, planes - 1, 0U);
   const V tiny = set(slack), minus_tiny = set(-slack), zero = hn::Zero(d);
   for (std::size_t l = 0; l < lanes; l += n) {
     if (((wanted >> l) & ((1U << n) - 1U)) == 0) continue;
@@ -218,10 +307,14 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
     const M none = hn::Lt(tiny, zero), all = hn::Not(none);
     const M b_front = hn::Ge(low_b, minus_tiny), b_back = hn::Le(high_b, tiny);
     const M a_front = low_a >= -slack ? all : none, a_back = high_a <= slack ? all : none;
-    M visible = hn::Or(hn::And(a_front, b_front), hn::And(a_back, b_back));
+    // What lies in the plane of one of them is behind its horizon.
+    M visible = hn::Or(hn::Or(hn::And(a_front, b_front), hn::And(a_back, b_back)),
+                       hn::Or(hn::And(a_front, a_back), hn::And(b_front, b_back)));
     const M across = hn::AndNot(visible, hn::Or(hn::And(a_front, b_back), hn::And(a_back, b_front)));
     const M straddling = hn::Not(hn::Or(visible, across));
-    M hidden = across, steady = across;
+    const bool any_straddling = !hn::AllFalse(d, straddling);
+    M hidden = across;
+    Straddling cut(first_table, na, lane, second_table, nb, l, slack);
     // All lines pass the occluder's plane between the edge distances of their ends, weighted by the ends' heights.
     for (std::size_t e = 1; e < planes; ++e) {
       double low_ea = 1e300, high_ea = -1e300;
@@ -256,15 +349,46 @@ LaneVisibility lane_visibility_lanes(const PatchClusters& c, std::size_t first, 
         inside = hn::Or(inside, hn::Ge(low, zero));
       }
       hidden = hn::And(hidden, inside);
-      if (e > 63 || ((outer >> (e - 1)) & 1) != 0) steady = hn::And(steady, inside);
+      if (any_straddling) {
+        const M within = cut.look(e);
+        inside = hn::Or(hn::And(straddling, within), hn::AndNot(straddling, inside));
+      }
+      inside_lanes[e - 1] |= bits_of(inside) << l;
       if (hn::AllTrue(d, visible)) break;
     }
+    if (any_straddling) visible = hn::Or(visible, hn::And(straddling, cut.visible()));
     hidden = hn::AndNot(visible, hidden);
-    steady = hn::AndNot(visible, steady);
-    out.straddling |= bits_of(hn::AndNot(visible, straddling)) << l;
     out.visible |= bits_of(visible) << l;
     out.hidden |= bits_of(hidden) << l;
-    out.steady |= bits_of(steady) << l;
+    out.front |= bits_of(b_front) << l;
+    out.back |= bits_of(b_back) << l;
+  }
+  return out;
+}
+
+std::uint32_t hidden_centroids_lanes(const PatchClusters& c, const Vec3d& point, std::size_t cluster,
+                                     std::span<const Plane3> planes, double slack) {
+  const D d;
+  const V zero = hn::Zero(d), minus_tiny = set(-slack);
+  std::uint32_t out = 0;
+  const double hp = planes[0].distance(point);
+  for (std::size_t l = 0; l < lanes; l += hn::Lanes(d)) {
+    const std::size_t s = cluster * lanes + l;
+    const V x = hn::LoadU(d, &c.centroid[0][s]), y = hn::LoadU(d, &c.centroid[1][s]),
+            z = hn::LoadU(d, &c.centroid[2][s]);
+    const auto distance = [&](const Plane3& plane) {
+      return hn::MulAdd(set(plane.normal.x), x,
+                        hn::MulAdd(set(plane.normal.y), y, hn::MulSub(set(plane.normal.z), z, set(plane.offset))));
+    };
+    const V hq = distance(planes[0]);
+    M hidden = hp < 0 ? hn::Ge(hq, zero) : hn::Lt(hq, zero);
+    const V wp = set(std::abs(hp)), wq = hn::Abs(hq);
+    const V least = hn::Mul(minus_tiny, hn::Add(wp, wq));
+    for (std::size_t e = 1; e < planes.size() && !hn::AllFalse(d, hidden); ++e) {
+      const V side = hn::MulAdd(wq, set(planes[e].distance(point)), hn::Mul(wp, distance(planes[e])));
+      hidden = hn::And(hidden, hn::Ge(side, least));
+    }
+    out |= bits_of(hidden) << l;
   }
   return out;
 }
@@ -279,6 +403,7 @@ HWY_EXPORT(far_exchange_lanes);
 HWY_EXPORT(refine_exchange_lanes);
 HWY_EXPORT(corner_distances_lanes);
 HWY_EXPORT(lane_visibility_lanes);
+HWY_EXPORT(hidden_centroids_lanes);
 
 void far_exchange(const PatchClusters& clusters, std::size_t slot, std::size_t cluster, double tolerance,
                   LaneExchange& out) {
@@ -297,9 +422,14 @@ void corner_distances(const PatchClusters& clusters, std::size_t cluster, std::s
 
 LaneVisibility lane_visibility(const PatchClusters& clusters, std::size_t first, std::size_t lane,
                                const double* first_table, std::size_t second, const double* second_table,
-                               std::size_t planes, double slack, std::uint32_t wanted, std::uint64_t outer) {
+                               std::size_t planes, double slack, std::uint32_t wanted, std::uint32_t* inside) {
   return HWY_DYNAMIC_DISPATCH(lane_visibility_lanes)(clusters, first, lane, first_table, second, second_table, planes,
-                                                     slack, wanted, outer);
+                                                     slack, wanted, inside);
+}
+
+std::uint32_t hidden_centroids(const PatchClusters& clusters, const Vec3d& point, std::size_t cluster,
+                               std::span<const Plane3> planes, double slack) {
+  return HWY_DYNAMIC_DISPATCH(hidden_centroids_lanes)(clusters, point, cluster, planes, slack);
 }
 
 }  // namespace penumbra

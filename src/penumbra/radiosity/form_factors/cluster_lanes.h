@@ -33,20 +33,27 @@ void corner_distances(const PatchClusters& clusters, std::size_t cluster, std::s
                       double* table);
 
 struct LaneVisibility {
-  std::uint32_t visible = 0;     ///< the occluder leaves every line between the two patches free
-  std::uint32_t hidden = 0;      ///< it cuts all of them
-  std::uint32_t straddling = 0;  ///< its plane cuts through one of them: undecided
-  std::uint32_t steady = 0;      ///< no line between the two patches leaves it across an outer edge
+  std::uint32_t visible = 0;  ///< the occluder leaves every line between the two patches free
+  std::uint32_t hidden = 0;   ///< it cuts all of them
+  std::uint32_t front = 0;    ///< the second patch is in front of its plane, or on it
+  std::uint32_t back = 0;     ///< ... behind it, or on it
+  signed char side = 0;       ///< of the first patch: +1 in front, -1 behind, 0 on both or in the plane
 };
 
 /// How an occluder stands between the patch in lane `lane` of cluster `first` and each patch of cluster `second`. Exact
-/// up to `slack`: the test function is bilinear in the segment's ends, so corners decide.
+/// up to `slack`: the test function is bilinear in the segment's ends, so corners decide; of patches that the
+/// occluder's plane cuts, those of the parts on either side.
 /// @param planes of the occluder: its own, then one through each edge, perpendicular to it, inwards. @param
-/// first_table, second_table their corner_distances. @param wanted only these lanes need an answer. @param outer bit e:
-/// behind edge e nothing goes on hiding (from 63 on: always).
+/// first_table, second_table their corner_distances. @param wanted only these lanes need an answer. @param inside
+/// receives for each edge the lanes of which no line leaves the occluder across it, if they are not visible.
 [[nodiscard]] LaneVisibility lane_visibility(const PatchClusters& clusters, std::size_t first, std::size_t lane,
                                              const double* first_table, std::size_t second, const double* second_table,
                                              std::size_t planes, double slack, std::uint32_t wanted,
-                                             std::uint64_t outer);
+                                             std::uint32_t* inside);
+
+/// The lanes of a cluster whose centroids the occluder hides from a point.
+/// @param planes of the occluder: its own, then one through each edge, perpendicular to it, inwards.
+[[nodiscard]] std::uint32_t hidden_centroids(const PatchClusters& clusters, const Vec3d& point, std::size_t cluster,
+                                             std::span<const Plane3> planes, double slack);
 
 }  // namespace penumbra

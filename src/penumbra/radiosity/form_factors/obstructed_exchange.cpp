@@ -69,9 +69,9 @@ double quadrature_error(std::span<const double> values, bool kinks) {
 
 }  // namespace
 
-void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
-                                  std::span<const Vec3d> source, const Plane3& source_plane,
-                                  std::span<const std::uint32_t> blockers, double open) {
+/// Whether something of both is left.
+bool ObstructedExchange::clip_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
+                                   std::span<const Vec3d> source, const Plane3& source_plane, double open) {
   receiver_plane_ = receiver_plane;
   open_ = open;
   open_factor_ = open / polygon_area(receiver);
@@ -80,9 +80,23 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
   lines_.clear();
   lines_found_ = meeting_lines_found_ = false;
   silhouette_.clear();
-  if (receiver_.size() < 3 || source_.size() < 3) return;
+  if (receiver_.size() < 3 || source_.size() < 3) return false;
   fragments_.set_source(source_);
-  silhouette_.build(occluders_, blockers, receiver_, receiver_plane, source_plane);
+  return true;
+}
+
+void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
+                                  std::span<const Vec3d> source, const Plane3& source_plane,
+                                  std::span<const std::uint32_t> blockers, double open) {
+  if (clip_pair(receiver, receiver_plane, source, source_plane, open))
+    silhouette_.build(occluders_, blockers, receiver_, receiver_plane, source_plane);
+}
+
+void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
+                                  std::span<const Vec3d> source, const Plane3& source_plane,
+                                  const Silhouette::Surface& surface, double open) {
+  if (clip_pair(receiver, receiver_plane, source, source_plane, open))
+    silhouette_.build(occluders_, surface, receiver_, receiver_plane, source_, source_plane);
 }
 
 ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> points, bool kinks) {
@@ -116,8 +130,7 @@ ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> poin
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
   const ExchangeEstimate e =
-      rule_on(points_,
-              blocker_count() > 0 && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
+      rule_on(points_, !uniform() && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
   cell.exchange = e.exchange;
   cell.error = e.error;
 }
@@ -128,7 +141,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   if (cells_.size() < 3) cells_.resize(3);
   cells_[0].polygon = receiver_;
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
-  if (blocker_count() > 0 && relative < loose_tolerance && max_cells > 1) {
+  if (!uniform() && relative < loose_tolerance && max_cells > 1) {
     find_shadow_lines();
     if (best_line(lines_, receiver_, first_cut_balance) != nullptr && split(cells_[0], cells_[1], cells_[2])) {
       std::swap(cells_[0], cells_[1]);
@@ -167,8 +180,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
     sum.exchange += cells_[k].exchange;
     sum.error += cells_[k].error;
   }
-  if (blocker_count() > 0 &&
-      sum.exchange <= std::min(seam_share * open_, seam_tolerance * (allowed + relative * open_))) {
+  if (!uniform() && sum.exchange <= std::min(seam_share * open_, seam_tolerance * (allowed + relative * open_))) {
     sum.error += sum.exchange;
     sum.exchange = 0;
   }

@@ -40,6 +40,14 @@ class ObstructedExchange {
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
                 const Plane3& source_plane, std::span<const std::uint32_t> blockers, double open = 0);
 
+  /// The same with a surface in between.
+  void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
+                const Plane3& source_plane, const Silhouette::Surface& surface, double open);
+
+  /// Whether what stands between hides the same from all points: nothing, or when covered() all.
+  [[nodiscard]] bool uniform() const { return silhouette_.edges().empty(); }
+  [[nodiscard]] bool covered() const { return silhouette_.reference() && silhouette_.reference()->covering > 0.5; }
+
   /// Blockers left after clipping; with 0 the pair is unobstructed.
   [[nodiscard]] std::size_t blocker_count() const { return silhouette_.polygon_count(); }
 
@@ -59,6 +67,8 @@ class ObstructedExchange {
     bool bounded = true;  // false: an occluder's own plane, from which it is seen edge on
   };
 
+  [[nodiscard]] bool clip_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
+                               std::span<const Vec3d> source, const Plane3& source_plane, double open);
   void find_shadow_lines();
   [[nodiscard]] bool cuts_receiver(const Vec3d& normal, const Vec3d& point) const;
   void evaluate(Cell& cell);

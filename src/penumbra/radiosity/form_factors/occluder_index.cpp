@@ -106,37 +106,33 @@ void OccluderIndex::build(std::uint32_t node, std::uint32_t first, std::uint32_t
   build(children + 1, middle, last);
 }
 
-std::vector<signed char> OccluderIndex::sides(const PatchClusters::Cluster& a) const {
-  std::vector<signed char> sides(occluders_.size());
-  for (std::size_t k = 0; k < sides.size(); ++k) {
-    Span height;
-    for (const Vec3d& v : a.box) height.grow(occluders_.planes[k].distance(v));
-    const double slack = occluders_.slack[k];
-    sides[k] = static_cast<signed char>(height.low > slack ? 1 : (height.high < -slack ? -1 : 0));
-  }
-  return sides;
+signed char OccluderIndex::side(const PatchClusters::Cluster& a, std::size_t k) const {
+  Span height;
+  for (const Vec3d& v : a.box) height.grow(occluders_.planes[k].distance(v));
+  const bool front = height.low >= -occluders_.slack[k], back = height.high <= occluders_.slack[k];
+  return static_cast<signed char>(front == back ? 0 : (front ? 1 : -1));
 }
 
-std::uint64_t OccluderIndex::outer_edges(std::size_t k, std::span<const signed char> sides) const {
-  std::uint64_t outer = ~std::uint64_t{0};
-  if (sides[k] == 0) return outer;
-  const std::size_t first = occluders_.corner_offsets[k];
-  const std::size_t count = std::min<std::size_t>(occluders_.corner_offsets[k + 1] - first, 63);
-  for (std::size_t c = 0; c < count; ++c) {
-    const OccluderPolygons::Edge& edge = occluders_.edges[occluders_.corner_edges[first + c]];
-    const std::uint32_t other = edge.left == k ? edge.right : edge.left;
-    if (edge.simple && other != OccluderPolygons::none && sides[other] == sides[k]) outer &= ~(std::uint64_t{1} << c);
-  }
-  return outer;
-}
-
-bool OccluderIndex::cuts(const Vec3d& p, const Vec3d& q, std::size_t k) const {
+std::uint64_t OccluderIndex::inside_edges(const PatchClusters::Cluster& a, const PatchClusters::Cluster& b,
+                                          std::size_t k) const {
   const auto edges = planes(k);
-  const double hp = edges[0].distance(p), hq = edges[0].distance(q);
-  if ((hp < 0) == (hq < 0)) return false;
-  const Vec3d x = p + hp / (hp - hq) * (q - p);
-  return std::all_of(edges.begin() + 1, edges.end(),
-                     [&](const Plane3& e) { return e.distance(x) >= -occluders_.slack[k]; });
+  const double slack = occluders_.slack[k];
+  const Heights ha(a.box, edges[0]), hb(b.box, edges[0]);
+  std::uint64_t inside = 0;
+  for (std::size_t e = 1; e < std::min<std::size_t>(edges.size(), 64); ++e) {
+    std::array<double, 8> eb;
+    for (std::size_t j = 0; j < 8; ++j) eb[j] = edges[e].distance(b.box[j]);
+    bool all = true;
+    for (std::size_t i = 0; i < 8 && all; ++i) {
+      const double ea = edges[e].distance(a.box[i]), wa = std::abs(ha.value[i]);
+      for (std::size_t j = 0; j < 8 && all; ++j) {
+        const double wb = std::abs(hb.value[j]);
+        all = wb * ea + wa * eb[j] + slack * (wa + wb) >= 0;
+      }
+    }
+    if (all) inside |= std::uint64_t{1} << (e - 1);
+  }
+  return inside;
 }
 
 Sight OccluderIndex::sight(std::span<const Vec3d> a, std::span<const Vec3d> b, std::size_t k) const {

@@ -33,15 +33,14 @@ class OccluderIndex {
   /// fronts hide together, but the union of all that hides is the same without it.
   [[nodiscard]] bool is_back(const PatchClusters::Cluster& a, std::size_t k) const;
 
-  /// Which side of each occluder all of the cluster is on: +1 its front, -1 its back; 0 when it is on both or touches
-  /// it.
-  [[nodiscard]] std::vector<signed char> sides(const PatchClusters::Cluster& a) const;
+  /// Which side of occluder k all of the cluster is on: +1 its front, -1 its back; 0 when it is on both or in its
+  /// plane.
+  [[nodiscard]] signed char side(const PatchClusters::Cluster& a, std::size_t k) const;
 
-  /// Bit e: across its edge e occluder k is not joined to another that shows the same side, given the sides().
-  [[nodiscard]] std::uint64_t outer_edges(std::size_t k, std::span<const signed char> sides) const;
-
-  /// Whether the segment from p to q passes through occluder k.
-  [[nodiscard]] bool cuts(const Vec3d& p, const Vec3d& q, std::size_t k) const;
+  /// Bit e: every segment between the two clusters, which are on opposite sides of occluder k, crosses its plane inside
+  /// its edge e (below 63).
+  [[nodiscard]] std::uint64_t inside_edges(const PatchClusters::Cluster& a, const PatchClusters::Cluster& b,
+                                           std::size_t k) const;
 
   /// How occluder k stands between two convex polygons; `partial` where undecided.
   [[nodiscard]] Sight sight(std::span<const Vec3d> a, std::span<const Vec3d> b, std::size_t k) const;

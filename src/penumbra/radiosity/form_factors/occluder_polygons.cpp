@@ -218,6 +218,12 @@ class OccluderBuilder {
   [[nodiscard]] OccluderPolygons finish() {
     place_vertices();
     for (std::size_t k = 0; k < rings_.size(); ++k) append(static_cast<std::uint32_t>(k));
+    for (OccluderPolygons::Edge& e : out_.edges) {
+      if (!e.simple || e.left == OccluderPolygons::none || e.right == OccluderPolygons::none) continue;
+      const Plane3 &p = out_.planes[e.left], &q = out_.planes[e.right];
+      e.flat = length_squared(p.normal - q.normal) <= 1e-18 &&
+               std::abs(p.offset - q.offset) <= std::min(out_.slack[e.left], out_.slack[e.right]);
+    }
     return std::move(out_);
   }
 

@@ -27,6 +27,7 @@ struct OccluderPolygons {
     std::uint32_t from = 0, to = 0;           ///< vertices, from < to
     std::uint32_t left = none, right = none;  ///< the polygon that has it from `from` to `to`, and reversed
     bool simple = true;                       ///< at most one on either side
+    bool flat = false;                        ///< one on either side, both in one oriented plane
   };
 
   std::vector<Vec3d> vertices;

@@ -10,9 +10,33 @@ namespace penumbra {
 namespace {
 
 constexpr double normal_weight = 2;  // how much a right angle counts against a node's diagonal
+constexpr double layer_gap = 0.05;   // of a node's diagonal: walls farther apart than it do not share a cluster
 
-/// Splits [first, last) of `order` until at most PatchClusters::lanes are left: between normals that differ, else at
-/// the median of the longest side.
+/// Where patches that face alike lie in layers one behind another, brings the lower ones to the front and returns how
+/// many they are; 0 when there is but one layer. The cut is in the widest gap.
+std::size_t split_layers(const PatchMesh& mesh, std::span<std::uint32_t> order, double diagonal) {
+  Vec3d normal(0);
+  for (std::uint32_t p : order) normal += mesh.normals[p];
+  if (!(length(normal) > 0.5 * static_cast<double>(order.size()))) return 0;
+  normal = normalize(normal);
+  std::vector<double> depths;
+  for (std::uint32_t p : order) depths.push_back(dot(normal, mesh.centroids[p]));
+  std::sort(depths.begin(), depths.end());
+  double widest = layer_gap * diagonal, cut = 0;
+  for (std::size_t k = 0; k + 1 < depths.size(); ++k) {
+    const double gap = depths[k + 1] - depths[k];
+    if (gap <= widest * (1 + 1e-6)) continue;
+    widest = gap;
+    cut = 0.5 * (depths[k] + depths[k + 1]);
+  }
+  if (widest <= layer_gap * diagonal) return 0;
+  const auto middle = std::stable_partition(order.begin(), order.end(),
+                                            [&](std::uint32_t p) { return dot(normal, mesh.centroids[p]) < cut; });
+  return static_cast<std::size_t>(middle - order.begin());
+}
+
+/// Splits [first, last) of `order` until at most PatchClusters::lanes are left: between normals that differ, else
+/// between layers, else at the median of the longest side.
 void split(const PatchMesh& mesh, std::vector<std::uint32_t>& order, std::size_t first, std::size_t last,
            std::vector<std::pair<std::size_t, std::size_t>>& groups) {
   Bounds places, directions;
@@ -40,6 +64,8 @@ void split(const PatchMesh& mesh, std::vector<std::uint32_t>& order, std::size_t
         std::stable_partition(begin, end, [&](std::uint32_t p) { return mesh.normals[p][turn_axis] < half; });
     middle = static_cast<std::size_t>(cut - order.begin());
   }
+  if (middle <= first || middle >= last)
+    middle = first + split_layers(mesh, std::span(order).subspan(first, last - first), places.diagonal());
   if (middle <= first || middle >= last) {
     // A multiple of the lanes on the left, so that clusters are full.
     const std::size_t half = (last - first) / 2;

@@ -12,6 +12,38 @@ constexpr double straight = 1e-13;
 
 bool is_rim(const Silhouette::Edge& e) { return e.step != 0 || e.first != e.last; }
 
+/// On which side of the line from a to b the line from `eye` to `to` passes: antisymmetric in a and b, so that
+/// polygons that share an edge agree.
+double side_of(const Vec3d& a, const Vec3d& b, const Vec3d& eye, const Vec3d& to) {
+  return dot(cross(b - eye, a - eye), to - eye);
+}
+
+/// On which side of a plane the receiver is.
+struct Range {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  Range(const Plane3& plane, std::span<const Vec3d> receiver) {
+    for (const Vec3d& p : receiver) {
+      const double d = plane.distance(p);
+      low = std::min(low, d);
+      high = std::max(high, d);
+    }
+  }
+  [[nodiscard]] bool turns() const { return low < 0 && high > 0; }
+  [[nodiscard]] double sign() const { return low >= 0 ? 1 : -1; }
+};
+
+/// A point inside a polygon whose place repeats no regular pattern.
+Vec3d odd_point(std::span<const Vec3d> polygon) {
+  Vec3d sum(0);
+  double weights = 0;
+  for (std::size_t c = 0; c < polygon.size(); ++c) {
+    const double weight = 1 + 0.37 * std::sin(1.9 * static_cast<double>(c) + 0.7);
+    sum += weight * polygon[c];
+    weights += weight;
+  }
+  return sum / weights;
+}
+
 }  // namespace
 
 void Silhouette::Memory::forget(std::size_t size) {
@@ -35,6 +67,7 @@ std::uint32_t& Silhouette::Memory::at(std::uint32_t key, std::uint32_t otherwise
 
 void Silhouette::clear() {
   polygon_count_ = 0;
+  has_reference_ = false;
   vertices_.clear();
   edges_.clear();
   turning_.clear();
@@ -105,27 +138,44 @@ std::uint32_t Silhouette::turning_plane(const Plane3& plane, double slack) {
   return number;
 }
 
-void Silhouette::add_sides(const Plane3& plane, double slack, std::span<const Vec3d> receiver) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Vec3d& p : receiver) {
-    const double d = plane.distance(p);
-    low = std::min(low, d);
-    high = std::max(high, d);
+/// One polygon's side of an edge.
+void Silhouette::add_side(std::uint32_t edge, double direction, const Plane3& plane, double sign, bool turns,
+                          double slack) {
+  Edge& e = edges_[edge];
+  if (!turns) {
+    e.step += direction * sign;
+    e.reference_step += direction * sign;
+    return;
   }
-  const bool turns = low < 0 && high > 0;
-  const double sign = low >= 0 ? 1 : -1;
-  const std::uint32_t number = turns ? turning_plane(plane, slack) : none;
+  pending_.push_back({edge, {turning_plane(plane, slack), direction}});
+  // When the reference line passes the edge its ends are on either side of the polygon.
+  if (has_reference_) e.reference_step += plane.distance(reference_.to) < 0 ? direction : -direction;
+}
+
+void Silhouette::add_sides(const Plane3& plane, double slack, std::span<const Vec3d> receiver) {
+  const Range side(plane, receiver);
   for (std::size_t c = 0; c < ring_.size(); ++c) {
     const std::uint32_t from = ring_[c].vertex, to = ring_[c + 1 == ring_.size() ? 0 : c + 1].vertex;
     const auto fresh = static_cast<std::uint32_t>(edges_.size());
     const std::uint32_t e = ring_[c].edge == none ? fresh : edge_of_.at(ring_[c].edge, fresh);
-    if (e == fresh) edges_.push_back({from, to, 0, 0, 0});
-    const double direction = edges_[e].from == from ? 1 : -1;
-    if (turns)
-      pending_.push_back({e, {number, direction}});
-    else
-      edges_[e].step += direction * sign;
+    if (e == fresh) edges_.push_back({from, to, 0, 0, 0, false, 0});
+    add_side(e, edges_[e].from == from ? 1 : -1, plane, side.sign(), side.turns(), slack);
   }
+}
+
+/// Adds an edge of the surface.
+void Silhouette::add_rim(const OccluderPolygons& occluders, const Rim& rim, std::span<const Vec3d> receiver,
+                         const Plane3& horizon, const Plane3& source) {
+  const std::uint32_t first = occluders.corner_offsets[rim.occluder], last = occluders.corner_offsets[rim.occluder + 1];
+  const std::uint32_t here = first + rim.corner, next = here + 1 == last ? first : here + 1;
+  const std::uint32_t from = vertex(occluders, occluders.corner_vertices[here], horizon, source, slack_);
+  const std::uint32_t to = vertex(occluders, occluders.corner_vertices[next], horizon, source, slack_);
+  const auto fresh = static_cast<std::uint32_t>(edges_.size());
+  const std::uint32_t e = edge_of_.at(occluders.corner_edges[here], fresh);
+  if (e == fresh) edges_.push_back({from, to, 0, 0, 0, false, 0});
+  const Range side(occluders.planes[rim.occluder], receiver);
+  add_side(e, edges_[e].from == from ? 1 : -1, occluders.planes[rim.occluder], side.sign(), side.turns(),
+           occluders.slack[rim.occluder]);
 }
 
 /// Sorts the turning polygons to their edges; two of one plane on either side of an edge are none.
@@ -169,8 +219,8 @@ void Silhouette::join_straight_edges() {
     Edge& into = edges_[at.edges[0]];
     Edge& out = edges_[at.edges[1]];
     if (into.first != into.last || out.first != out.last) continue;
-    if (into.from == v) into = {into.to, into.from, -into.step, 0, 0};
-    if (out.to == v) out = {out.to, out.from, -out.step, 0, 0};
+    if (into.from == v) into = {into.to, into.from, -into.step, 0, 0, false, -into.reference_step};
+    if (out.to == v) out = {out.to, out.from, -out.step, 0, 0, false, -out.reference_step};
     if (into.step != out.step || into.from == out.to) continue;
     const Vec3d a = vertices_[v] - vertices_[into.from], b = vertices_[out.to] - vertices_[v];
     if (!(dot(a, b) > 0) || length_squared(cross(a, b)) > straight * length_squared(a) * length_squared(b)) continue;
@@ -199,6 +249,7 @@ void Silhouette::join_coinciding_edges() {
       std::swap(by_ends_[k].second, by_ends_[k + 1].second);
     }
     kept->step += gone->from == kept->from ? gone->step : -gone->step;
+    kept->reference_step += gone->from == kept->from ? gone->reference_step : -gone->reference_step;
     gone->step = 0;
   }
 }
@@ -223,23 +274,13 @@ void Silhouette::drop_inner_edges() {
   vertices_.swap(moved_);
 }
 
-void Silhouette::build(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
-                       std::span<const Vec3d> receiver, const Plane3& receiver_plane, const Plane3& source_plane) {
-  clear();
-  vertex_of_.forget(occluders.vertices.size());
-  edge_of_.forget(occluders.edges.size());
-  for (Memory& memory : cut_of_) memory.forget(occluders.edges.size());
-  // A hair above the horizon: no edge lies on one of a source that reaches down to it, and none dips below, where signs
-  // can not tell a direction from its opposite. What shines through underneath is the square of a hair.
-  Plane3 horizon = receiver_plane;
-  double slack = 0;
-  for (std::uint32_t k : blockers) slack = std::max(slack, occluders.slack[k]);
-  horizon.offset += slack;
+void Silhouette::add_blockers(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
+                              std::span<const Vec3d> receiver, const Plane3& horizon, const Plane3& source) {
   for (std::uint32_t k : blockers) {
     ring_.clear();
     double over_receiver = 0, over_source = 0;
     for (std::uint32_t c = occluders.corner_offsets[k]; c < occluders.corner_offsets[k + 1]; ++c) {
-      const std::uint32_t v = vertex(occluders, occluders.corner_vertices[c], horizon, source_plane, slack);
+      const std::uint32_t v = vertex(occluders, occluders.corner_vertices[c], horizon, source, slack_);
       ring_.push_back({v, occluders.corner_edges[c]});
       over_receiver = std::max(over_receiver, heights_[v][0]);
       over_source = std::max(over_source, heights_[v][1]);
@@ -250,9 +291,57 @@ void Silhouette::build(const OccluderPolygons& occluders, std::span<const std::u
     ++polygon_count_;
     add_sides(occluders.planes[k], occluders.slack[k], receiver);
   }
+}
+
+/// Counts occluder k if it covers the reference line.
+void Silhouette::count_covering(const OccluderPolygons& occluders, std::uint32_t k) {
+  const Plane3& plane = occluders.planes[k];
+  const double from = plane.distance(reference_.from), to = plane.distance(reference_.to);
+  if ((from < 0) == (to < 0)) return;
+  const double sign = from < 0 ? -1 : 1;
+  const auto polygon = occluders.polygon(k);
+  for (std::size_t c = 0; c < polygon.size(); ++c) {
+    const Vec3d& next = polygon[c + 1 == polygon.size() ? 0 : c + 1];
+    if (!(sign * side_of(polygon[c], next, reference_.from, reference_.to) > 0)) return;
+  }
+  reference_.covering += 1;
+}
+
+void Silhouette::finish() {
   assign_turning_polygons();
   join_straight_edges();
   drop_inner_edges();
+}
+
+void Silhouette::build(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
+                       std::span<const Vec3d> receiver, const Plane3& receiver_plane, const Plane3& source_plane) {
+  start(occluders, blockers);
+  add_blockers(occluders, blockers, receiver, {receiver_plane.normal, receiver_plane.offset + slack_}, source_plane);
+  finish();
+}
+
+void Silhouette::build(const OccluderPolygons& occluders, const Surface& surface, std::span<const Vec3d> receiver,
+                       const Plane3& receiver_plane, std::span<const Vec3d> source, const Plane3& source_plane) {
+  start(occluders, surface.polygons);
+  has_reference_ = true;
+  reference_ = {odd_point(receiver), odd_point(source), 0};
+  const Plane3 horizon{receiver_plane.normal, receiver_plane.offset + slack_};
+  for (std::uint32_t k : surface.polygons) count_covering(occluders, k);
+  for (const Rim& rim : surface.rims) add_rim(occluders, rim, receiver, horizon, source_plane);
+  finish();
+  for (Edge& e : edges_) e.left_of = side_of(vertices_[e.from], vertices_[e.to], reference_.from, reference_.to) > 0;
+}
+
+/// Forgets what was, and takes the slack from all that is to come. The horizon is a hair higher: no edge lies on one of
+/// a source that reaches down to it, and none dips below, where signs can not tell a direction from its opposite. What
+/// shines through underneath is the square of a hair.
+void Silhouette::start(const OccluderPolygons& occluders, std::span<const std::uint32_t> polygons) {
+  clear();
+  vertex_of_.forget(occluders.vertices.size());
+  edge_of_.forget(occluders.edges.size());
+  for (Memory& memory : cut_of_) memory.forget(occluders.edges.size());
+  slack_ = 0;
+  for (std::uint32_t k : polygons) slack_ = std::max(slack_, occluders.slack[k]);
 }
 
 void Silhouette::add_polygon(std::span<const Vec3d> polygon, const Plane3& plane) {
@@ -264,7 +353,7 @@ void Silhouette::add_polygon(std::span<const Vec3d> polygon, const Plane3& plane
     vertices_.push_back(polygon[c]);
     const auto side = static_cast<std::uint32_t>(turning_.size());
     turning_.push_back({number, 1});
-    edges_.push_back({first + c, first + (c + 1 == polygon.size() ? 0 : c + 1), 0, side, side + 1});
+    edges_.push_back({first + c, first + (c + 1 == polygon.size() ? 0 : c + 1), 0, side, side + 1, false, 0});
   }
 }
 

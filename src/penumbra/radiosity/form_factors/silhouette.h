@@ -22,6 +22,10 @@ namespace penumbra {
 /// Inside a surface, where neighbours show the same side, steps vanish and so do the edges: what is left is the
 /// silhouette, and the number of polygons that cover a direction is the winding number of its steps.
 ///
+/// Edges that no line from the receiver to the source passes do not matter, and without them the contours need not
+/// close: then how many polygons cover a direction is counted once, on one *reference* line, and known for another by
+/// the edges that are passed on the way from one line to the other.
+///
 /// One object a thread: build() keeps scratch memory.
 class Silhouette {
  public:
@@ -29,17 +33,37 @@ class Silhouette {
     std::uint32_t from = 0, to = 0;     ///< into vertices
     double step = 0;                    ///< of the polygons whose front or back all points of the receiver see
     std::uint32_t first = 0, last = 0;  ///< into turning(): the others
+    bool left_of = false;               ///< the reference line passes on its left
+    double reference_step = 0;          ///< of the polygons that are counted on it
   };
   /// A polygon whose plane cuts through the receiver: its sign depends on the point.
   struct Turning {
     std::uint32_t plane = 0;  ///< into planes()
     double direction = 0;     ///< +1 or -1: as the edge, or reversed
   };
+  /// One edge of an occluder, from a corner to the next.
+  struct Rim {
+    std::uint32_t occluder = 0, corner = 0;
+  };
+  /// What stands between, clear above the planes of receiver and source: of its edges only those that a line between
+  /// the two may pass.
+  struct Surface {
+    std::span<const Rim> rims;
+    std::span<const std::uint32_t> polygons;  ///< all those that may cover the reference line
+  };
+  /// The line on which the covering polygons were counted, from inside the receiver to inside the source.
+  struct Reference {
+    Vec3d from{0}, to{0};
+    double covering = 0;
+  };
 
   /// The parts of some occluders that are in front of both planes.
   /// @param receiver its points' corners.
   void build(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
              std::span<const Vec3d> receiver, const Plane3& receiver_plane, const Plane3& source_plane);
+  /// A surface.
+  void build(const OccluderPolygons& occluders, const Surface& surface, std::span<const Vec3d> receiver,
+             const Plane3& receiver_plane, std::span<const Vec3d> source, const Plane3& source_plane);
 
   /// Starts anew without occluders.
   void clear();
@@ -52,6 +76,8 @@ class Silhouette {
   [[nodiscard]] std::span<const Edge> edges() const { return edges_; }
   [[nodiscard]] std::span<const Turning> turning() const { return turning_; }
   [[nodiscard]] std::span<const Plane3> planes() const { return planes_; }
+  /// Where the covering polygons were counted; nullptr: the contours close.
+  [[nodiscard]] const Reference* reference() const { return has_reference_ ? &reference_ : nullptr; }
 
  private:
   static constexpr std::uint32_t none = OccluderPolygons::none;
@@ -72,6 +98,14 @@ class Silhouette {
     std::uint32_t& at(std::uint32_t key, std::uint32_t otherwise);
   };
 
+  void start(const OccluderPolygons& occluders, std::span<const std::uint32_t> polygons);
+  void add_blockers(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
+                    std::span<const Vec3d> receiver, const Plane3& horizon, const Plane3& source);
+  void add_rim(const OccluderPolygons& occluders, const Rim& rim, std::span<const Vec3d> receiver,
+               const Plane3& horizon, const Plane3& source);
+  void add_side(std::uint32_t edge, double direction, const Plane3& plane, double sign, bool turns, double slack);
+  void count_covering(const OccluderPolygons& occluders, std::uint32_t k);
+  void finish();
   std::uint32_t vertex(const OccluderPolygons& occluders, std::uint32_t v, const Plane3& horizon, const Plane3& source,
                        double slack);
   void clip(int plane);
@@ -84,6 +118,9 @@ class Silhouette {
   void drop_inner_edges();
 
   std::size_t polygon_count_ = 0;
+  bool has_reference_ = false;
+  double slack_ = 0;
+  Reference reference_;
   std::vector<Vec3d> vertices_;
   std::vector<Edge> edges_;
   std::vector<Turning> turning_;

@@ -193,10 +193,12 @@ class View {
 
   HWY_INLINE V factor() {
     look();
-    const V covering = covering_first_corner();
-    V sum = source_edges(covering);
+    const V covering = in_.reference ? covering_since_reference() : covering_first_corner();
+    V open = hn::Zero(D());
+    V sum = source_edges(covering, open);
     for (std::size_t n = 0; n < before_count_; ++n) sum = hn::Sub(sum, silhouette_edge(before_source_[n], covering));
-    return hn::Max(hn::Zero(D()), hn::Mul(sum, set(0.15915494309189533577)));
+    // No more than without occluders: of slivers at the horizon winding numbers may lose count.
+    return hn::Max(hn::Zero(D()), hn::Mul(hn::Min(sum, open), set(0.15915494309189533577)));
   }
 
  private:
@@ -260,6 +262,29 @@ class View {
     return covering;
   }
 
+  /// The same when only some edges are known, from the covering of the reference line: what changes while the line's
+  /// start moves to the point, and then its end to the corner.
+  HWY_INLINE V covering_since_reference() const {
+    const V zero = hn::Zero(D());
+    const V3 end = from_point(in_.reference->to);
+    const V3 swept = cross3(from_point(in_.reference->from), end), way = cross3(end, vector(source_, in_.first_corner));
+    V covering = set(in_.reference->covering);
+    for (std::size_t e = 0; e < ne_; ++e) {
+      const Silhouette::Edge& edge = in_.edges[e];
+      const V3 p = vector(vertices_, edge.from), q = vector(vertices_, edge.to);
+      const V at_end = dot3(vector(sides_, e), end);
+      const M left = hn::Gt(at_end, zero), meets = hn::Xor(hn::Gt(dot3(swept, p), zero), hn::Gt(dot3(swept, q), zero));
+      const V step = set(edge.reference_step);
+      if (edge.left_of)
+        covering = hn::Sub(covering, hn::IfThenElseZero(hn::AndNot(left, meets), step));
+      else
+        covering = hn::Add(covering, hn::IfThenElseZero(hn::And(left, meets), step));
+      covering = hn::Add(
+          covering, change_across(e, at_end, load(source_in_, in_.first_corner * ne_ + e), dot3(way, p), dot3(way, q)));
+    }
+    return covering;
+  }
+
   /// How the covering changes along a stretch that crosses edge e: f0 and f1 say whether its ends are left of the edge,
   /// g0 and g1 on which side of it the edge's ends are.
   HWY_INLINE V change_across(std::size_t e, V f0, V f1, V g0, V g1) const {
@@ -276,7 +301,8 @@ class View {
     crossings_.insert(hn::IfThenElse(crosses, hn::Div(f0, hn::Sub(f0, f1)), set(2)), change);
   }
 
-  HWY_INLINE V source_edges(V covering) {
+  /// @param open receives the sum when nothing covers anything.
+  HWY_INLINE V source_edges(V covering, V& open) {
     V sum = hn::Zero(D());
     std::size_t a = in_.first_corner;
     for (std::size_t turn = 0; turn < ns_; ++turn) {
@@ -292,7 +318,11 @@ class View {
         change = hn::Add(change, entered);
       }
       const Arc arc = make_arc(vector(source_, a), vector(source_, b), vector(source_sides_, a), up_);
-      sum = hn::MulAdd(arc.weight, crossings_.open_angle(arc, covering, hn::Zero(D()), set(1)), sum);
+      const V whole = stretch_angle(arc, hn::Zero(D()), set(1));
+      open = hn::MulAdd(arc.weight, whole, open);
+      const V angle = crossings_.count == 0 ? hn::IfThenElseZero(hn::Lt(covering, set(0.5)), whole)
+                                            : crossings_.open_angle(arc, covering, hn::Zero(D()), set(1));
+      sum = hn::MulAdd(arc.weight, angle, sum);
       covering = hn::Add(covering, change);
       a = b;
     }
@@ -385,8 +415,9 @@ void VisibleFragments::evaluate(const Silhouette& silhouette, const double* x, c
   for (std::size_t a = 1; a < source_.size(); ++a)
     if (dot(normal, source_[a]) > dot(normal, source_[highest])) highest = a;
   HWY_DYNAMIC_DISPATCH(evaluate_points)
-  ({source_, highest, silhouette.vertices(), silhouette.edges(), silhouette.turning(), silhouette.planes()}, x, y, z,
-   count, normal, scratch_.data(), before_.data(), factors);
+  ({source_, highest, silhouette.vertices(), silhouette.edges(), silhouette.turning(), silhouette.planes(),
+    silhouette.reference()},
+   x, y, z, count, normal, scratch_.data(), before_.data(), factors);
 }
 
 }  // namespace penumbra

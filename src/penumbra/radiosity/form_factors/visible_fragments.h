@@ -41,6 +41,7 @@ class VisibleFragments {
     std::span<const Silhouette::Edge> edges;
     std::span<const Silhouette::Turning> turning;
     std::span<const Plane3> planes;
+    const Silhouette::Reference* reference;  ///< nullptr: the contours close
   };
 
  private:

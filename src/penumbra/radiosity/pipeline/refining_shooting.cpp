@@ -19,6 +19,7 @@
 #include "penumbra/radiosity/meshing/polygon_division.h"
 #include "penumbra/radiosity/meshing/shadow_lines.h"
 #include "penumbra/radiosity/meshing/uniform.h"
+#include "penumbra/radiosity/pipeline/patch_exchange.h"
 #include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/shooting.h"
 #include "penumbra/radiosity/solvers/solver_course.h"
@@ -91,50 +92,6 @@ double patch_size(const PatchMesh& faces, const RefiningShootingOptions& options
   return size_for_count(faces, std::max<std::size_t>(1, options.element_count / elements_a_patch));
 }
 
-/// Polygons that send and polygons that receive; only what passes between the two is asked for.
-class Passage {
- public:
-  Passage(const PatchMesh& patches, std::span<const std::uint32_t> senders, const PatchMesh& elements,
-          const std::shared_ptr<const OccluderPolygons>& occluders, FormFactorOptions options, std::size_t surveyed)
-      : sender_count_(senders.size()) {
-    mesh_.bands = 1;
-    mesh_.surfaces.resize(2);
-    mesh_.reflectance.resize(2);
-    mesh_.emission.resize(2);
-    for (const std::uint32_t p : senders) add(patches.polygon(p), 0);
-    for (std::size_t e = 0; e < elements.patch_count(); ++e) add(elements.polygon(e), 1);
-    mesh_.radiating_count = mesh_.patch_count();
-    options.between_surfaces_only = true;
-    method_ = std::make_unique<AutoFormFactors>(
-        mesh_, options, AutoFormFactors::Settings{.occluders = occluders, .surveyed_clusters = surveyed});
-  }
-
-  /// A_i F_ij from a sender to the elements, by ascending element.
-  [[nodiscard]] PatchRow from_sender(std::size_t sender) const {
-    PatchRow row = method_->row(static_cast<std::uint32_t>(sender));
-    for (std::uint32_t& j : row.patches) j -= static_cast<std::uint32_t>(sender_count_);
-    return row;
-  }
-  /// From an element to the senders, by ascending sender.
-  [[nodiscard]] PatchRow from_element(std::size_t element) const {
-    return method_->row(static_cast<std::uint32_t>(sender_count_ + element));
-  }
-
- private:
-  void add(std::span<const Vec3d> polygon, std::uint32_t surface) {
-    std::vector<std::uint32_t> corners;
-    for (const Vec3d& p : polygon) {
-      corners.push_back(static_cast<std::uint32_t>(mesh_.vertices.size()));
-      mesh_.vertices.push_back(p);
-    }
-    add_patch(mesh_, corners, surface, 0);
-  }
-
-  std::size_t sender_count_;
-  PatchMesh mesh_;
-  std::unique_ptr<AutoFormFactors> method_;
-};
-
 }  // namespace
 
 struct RefiningShooting::Impl {
@@ -176,11 +133,11 @@ struct RefiningShooting::Impl {
   std::vector<double> arrived;                 // of it since elements were looked at last, per element, largest band
   bool refines = true;
 
-  std::vector<double> sent;          // S, W/m^2, [patch * 3 + band]
-  std::vector<double> unshot;        // W/m^2, [patch * 3 + band]; may be a little negative where elements were split
-  std::vector<double> energy;        // unshot, W, per patch
-  std::vector<Lamp> pending;         // shooters whose light was not looked at yet
-  std::unique_ptr<Passage> passage;  // all patches to all elements; none: the elements changed
+  std::vector<double> sent;    // S, W/m^2, [patch * 3 + band]
+  std::vector<double> unshot;  // W/m^2, [patch * 3 + band]; may be a little negative where elements were split
+  std::vector<double> energy;  // unshot, W, per patch
+  std::vector<Lamp> pending;   // shooters whose light was not looked at yet
+  std::unique_ptr<PatchExchange> exchange;  // all patches to all elements; none: the elements changed
   std::map<std::uint32_t, PatchRow> kept;
   std::size_t kept_factors = 0;
   double sent_power = 0, unshot_power = 0, escaped = 0;  // W
@@ -326,7 +283,7 @@ void RefiningShooting::Impl::take_elements(AdaptiveCells::Elements made) {
   arrived = std::move(next_arrived);
   escaped += lost;
   receive_what_was_sent(fresh, painted);
-  passage.reset();
+  exchange.reset();
   kept.clear();
   kept_factors = 0;
 }
@@ -338,7 +295,7 @@ void RefiningShooting::Impl::receive_what_was_sent(const std::vector<std::uint32
     if (sent[3 * p] != 0 || sent[3 * p + 1] != 0 || sent[3 * p + 2] != 0) senders.push_back(p);
   }
   if (senders.empty() || fresh.empty()) return;
-  const Passage between(patches, senders, children, occluders, options.factors, clusters_surveyed_meanwhile);
+  const PatchExchange between(patches, senders, children, occluders, options.factors, clusters_surveyed_meanwhile);
   parallel_for(fresh.size(), 8, [&](std::size_t first, std::size_t last) {
     for (std::size_t n = first; n < last; ++n) {
       const PatchRow row = between.from_element(n);
@@ -409,17 +366,17 @@ std::size_t RefiningShooting::Impl::allowance() const {
 }
 
 void RefiningShooting::Impl::shoot(const std::vector<std::uint32_t>& shooters) {
-  if (!passage) {
+  if (!exchange) {
     std::vector<std::uint32_t> all(patches.patch_count());
     for (std::uint32_t p = 0; p < all.size(); ++p) all[p] = p;
-    passage = std::make_unique<Passage>(
+    exchange = std::make_unique<PatchExchange>(
         patches, all, elements, occluders, options.factors,
         refines ? clusters_surveyed_meanwhile : AutoFormFactors::Settings{}.surveyed_clusters);
   }
   std::vector<PatchRow> rows(shooters.size());
   parallel_for(shooters.size(), 1, [&](std::size_t k, std::size_t) {
     const auto known = kept.find(shooters[k]);
-    rows[k] = known != kept.end() ? known->second : passage->from_sender(shooters[k]);
+    rows[k] = known != kept.end() ? known->second : exchange->from_sender(shooters[k]);
   });
   for (std::size_t k = 0; k < shooters.size(); ++k) {
     const std::uint32_t p = shooters[k];
@@ -503,7 +460,7 @@ void RefiningShooting::Impl::settle() {
     problem.irradiance = std::move(direct.irradiance);
     problem.light_power = std::move(direct.light_power);
   }
-  passage.reset();
+  exchange.reset();
   kept.clear();
   kept_factors = 0;
   weigh();
