@@ -3,9 +3,9 @@
 #include "penumbra/math/spectrum.h"
 #include "penumbra/render/first_surface.h"
 #include "penumbra/render/integrator.h"
-#include "penumbra/tracing/shading/interior.h"
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/tracing/shading/bsdf.h"
+#include "penumbra/tracing/shading/interior.h"
 #include "penumbra/tracing/shading/light_sampling.h"
 #include "penumbra/tracing/shading/shadow.h"
 
