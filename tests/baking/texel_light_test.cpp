@@ -374,6 +374,24 @@ TEST(TexelLight, GlassOfIndexOneChangesNothing) {
   for (std::uint32_t c = 0; c < 6; ++c) EXPECT_NEAR(with.mean(c) / without.mean(c), 1, 0.004) << c;
 }
 
+TEST(TexelLight, LampsShineThroughHoles) {
+  Material hole = matt(0.5);
+  hole.alpha_mode = AlphaMode::mask;
+  hole.alpha = 0;
+  const Quad floor{{Vec3d(0), {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}};
+  const Quad lamp{{Vec3d(0.2, 1, 0.2), {0.8, 1, 0.2}, {0.8, 1, 0.8}, {0.2, 1, 0.8}}, 1, 4, 4, "lamp"};
+  const Quad sheet{{Vec3d(-1, 0.5, -1), {-1, 0.5, 2}, {2, 0.5, 2}, {2, 0.5, -1}}, 2, 4, 4, "sheet"};
+  const std::vector<Material> materials{matt(0), matt(0, 1), hole};
+  const Baked open = bake(lit_by({matt(0), matt(0, 1), matt(0.5)}), {floor, lamp});
+  const Baked through = bake(lit_by(materials), {floor, lamp, sheet});
+  for (std::size_t t = 0; t < open.texels.count(); ++t) {
+    if (open.chart(t) == 0) {
+      EXPECT_NEAR(through.light.direct[3 * t], open.light.direct[3 * t], 0.01 * open.mean(0));
+    }
+  }
+  EXPECT_NEAR(through.mean(0) / open.mean(0), 1, 0.002);
+}
+
 TEST(TexelLight, ErrorIsToldAndAimedAt) {
   std::vector<Quad> quads = box(Vec3d(0), Vec3d(1), 16, true);
   quads[1].material = 1;

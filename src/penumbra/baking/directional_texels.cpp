@@ -31,8 +31,7 @@ void gather(const TexelSolution& solution, std::span<const std::uint32_t> texels
     const Place place = solution.points()[texels[i]];
     const Vec3d origin = solution.points().lifted(place);
     outlook.set(static_cast<int>(i), origin, place.normal, place.normal, hash_key(options.seed, 10, texels[i]));
-    for (const auto& beam : solution.straight().beams(origin, place.normal, solution.points().tracer(),
-                                                      options.lamp_samples, hash_key(key, i))) {
+    for (const auto& beam : solution.straight().beams(origin, place.normal, options.lamp_samples, hash_key(key, i))) {
       add(beam.direction, beam.irradiance, sums[i]);
     }
   }

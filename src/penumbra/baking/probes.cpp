@@ -47,8 +47,7 @@ class Probe {
       : solution_(solution), position_(position), key_(key) {}
 
   void add_lamps(std::uint32_t samples) {
-    for (const auto& beam :
-         solution_.straight().beams(position_, Vec3d(0), solution_.points().tracer(), samples, key_)) {
+    for (const auto& beam : solution_.straight().beams(position_, Vec3d(0), samples, key_)) {
       add(beam.direction, beam.irradiance);
     }
   }

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t most_lamps = 64;
 constexpr int shape_segments = 32;
+constexpr std::uint32_t rays_through_holes = 64;  // to each lamp
 /// Places belong to one plane when they lie within this share of their reach of it.
 constexpr double flatness = 1e-4;
 /// Of a shadow ray to a lamp, so that it does not meet the lamp itself.
@@ -40,12 +41,17 @@ bool rectangle_around(std::span<const Place> places, double reach, std::array<Ve
 
 }  // namespace
 
-StraightLight::StraightLight(const LightmapAtlas& atlas, bool front_sides_only)
+StraightLight::StraightLight(const LightmapAtlas& atlas, const RayTracer& tracer, bool front_sides_only)
     : atlas_(atlas),
+      tracer_(tracer),
       sampler_(atlas.scene),
       faces_(make_element_faces(atlas.scene, front_sides_only ? PatchSides::front : PatchSides::both, shape_segments)
                  .mesh) {
   choose_lamps(front_sides_only);
+  has_holes_ =
+      std::ranges::any_of(atlas.scene.materials, [](const Material& m) { return m.alpha_mode == AlphaMode::mask; });
+  const Bounds all = tracer.bounds();
+  if (!all.empty()) rounding_ = float_error * std::max(largest_component(all.lower), largest_component(all.upper));
   for (const Lamp& lamp : light_->lamps()) hard_shadows_ = hard_shadows_ || lamp.kind != Lamp::Kind::patch;
 }
 
@@ -103,8 +109,8 @@ void StraightLight::choose_lamps(bool front_sides_only) {
   }
 }
 
-std::vector<StraightLight::Beam> StraightLight::beams(const Vec3d& point, const Vec3d& normal, const RayTracer& tracer,
-                                                      std::uint32_t samples, std::uint64_t key) const {
+std::vector<StraightLight::Beam> StraightLight::beams(const Vec3d& point, const Vec3d& normal, std::uint32_t samples,
+                                                      std::uint64_t key) const {
   std::vector<Beam> beams;
   const bool from_all_sides = normal == Vec3d(0);
   SurfacePoint from;
@@ -115,7 +121,7 @@ std::vector<StraightLight::Beam> StraightLight::beams(const Vec3d& point, const 
     if (lamp.kind != Lamp::Kind::patch) {
       const auto sample = sampler_.sample_light(lamp.light, from, Vec2d(0));
       if (!sample || (!from_all_sides && !(dot(sample->direction, normal) > 0))) continue;
-      if (!tracer.occluded(sample->shadow_ray)) beams.push_back({sample->direction, sample->radiance});
+      if (!tracer_.occluded(sample->shadow_ray)) beams.push_back({sample->direction, sample->radiance});
       continue;
     }
     const Vec3d facing = polygon_normal(lamp.corners);
@@ -138,7 +144,7 @@ std::vector<StraightLight::Beam> StraightLight::beams(const Vec3d& point, const 
       const double r2 = length_squared(way), r = std::sqrt(r2), cosine = -dot(way, facing) / r;
       if (!(cosine > 0) || (!from_all_sides && !(dot(way, normal) > 0))) continue;
       Ray ray{.origin = point, .direction = way / r, .t_max = r * (1 - shortening)};
-      if (tracer.occluded(ray)) continue;
+      if (tracer_.occluded(ray)) continue;
       const double solid_angle = area / samples * cosine / r2;
       beams.push_back({ray.direction, Rgb(lamp.strength * (solid_angle / std::numbers::pi))});
     }
@@ -149,6 +155,13 @@ std::vector<StraightLight::Beam> StraightLight::beams(const Vec3d& point, const 
 void StraightLight::look(const LampIrradiance::View& view, const Place& place, Vec3d& irradiance) const {
   if (!view.is_lit()) {
     irradiance = Vec3d(0);
+  } else if (has_holes_) {
+    const Vec3d& n = place.normal;
+    const Vec3d lifted = place.position + rounding_ * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) * n;
+    irradiance = Vec3d(0);
+    for (const Beam& beam : beams(lifted, n, rays_through_holes, 0)) {
+      irradiance += std::max(0.0, dot(beam.direction, place.shading)) * Vec3d(beam.irradiance);
+    }
   } else if (dot(place.normal, place.shading) > 1 - 1e-6) {
     irradiance = view.at(place.position);
   } else {

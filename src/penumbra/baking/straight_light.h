@@ -14,11 +14,11 @@ namespace penumbra {
 
 /// Light straight from lamps: the emissive faces without a texture that emit most, points, spots and far lights.
 ///
-/// Exact, with every face opaque (LampIrradiance); where surfaces have holes or are half transparent, by shadow rays.
+/// Exact, with every face opaque (LampIrradiance). Where surfaces have holes, by 64 shadow rays to each lamp.
 class StraightLight {
  public:
-  /// The atlas must outlive this. @param front_sides_only backs do not emit.
-  StraightLight(const LightmapAtlas& atlas, bool front_sides_only);
+  /// @param tracer of the atlas's scene. Both must outlive this. @param front_sides_only backs do not emit.
+  StraightLight(const LightmapAtlas& atlas, const RayTracer& tracer, bool front_sides_only);
 
   [[nodiscard]] const StraightLamps& lamps() const { return straight_; }
   [[nodiscard]] bool is_dark() const { return light_->lamps().empty(); }
@@ -36,19 +36,22 @@ class StraightLight {
   /// The light of lamps at a point in space as beams that together are it: points of lamps by low-discrepancy samples,
   /// as many to each, all that reach the point unhindered. @param normal unit: only what comes from its side; zero:
   /// all.
-  [[nodiscard]] std::vector<Beam> beams(const Vec3d& point, const Vec3d& normal, const RayTracer& tracer,
-                                        std::uint32_t samples, std::uint64_t key) const;
+  [[nodiscard]] std::vector<Beam> beams(const Vec3d& point, const Vec3d& normal, std::uint32_t samples,
+                                        std::uint64_t key) const;
 
  private:
   void choose_lamps(bool front_sides_only);
   void look(const LampIrradiance::View& view, const Place& place, Vec3d& irradiance) const;
 
   const LightmapAtlas& atlas_;
+  const RayTracer& tracer_;
   LightSampler sampler_;
   PatchMesh faces_;
   std::unique_ptr<LampIrradiance> light_;
   StraightLamps straight_;
   bool hard_shadows_ = false;
+  bool has_holes_ = false;  // a material with AlphaMode::mask
+  double rounding_ = 0;
 };
 
 }  // namespace penumbra

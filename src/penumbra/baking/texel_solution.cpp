@@ -25,7 +25,7 @@ TexelSolution::TexelSolution(const LightmapAtlas& atlas, const Texels& texels, c
     : tracer_(atlas.scene),
       map_(atlas, texels),
       space_(std::make_unique<AtlasSpace>(map_, tracer_)),
-      straight_(atlas, options.front_sides_only),
+      straight_(atlas, tracer_, options.front_sides_only),
       order_(texels_in_blocks(map_)),
       points_(tracer_, map_, *space_),
       rays_(points_, straight_.lamps()) {
