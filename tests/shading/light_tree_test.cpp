@@ -73,7 +73,9 @@ TEST(LightTree, EveryEmitterThatShinesOnAPointHasAChance) {
     for (std::uint32_t i = 0; i < all.size(); ++i) {
       const Vec3d way = normalize(point - all[i].bounds.centre());
       const bool shines = all[i].spread > 0 || all[i].both_sides || dot(way, all[i].axis) > 0;
-      if (shines) ASSERT_GT(tree.chance(i, point, normal), 0) << i;
+      if (shines) {
+        ASSERT_GT(tree.chance(i, point, normal), 0) << i;
+      }
     }
   }
 }
