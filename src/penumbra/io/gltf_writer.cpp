@@ -221,7 +221,9 @@ class GltfWriter {
     const auto wrap = [](Wrap w) { return w == Wrap::repeat ? 10497 : w == Wrap::clamp ? 33071 : 33648; };
     const bool nearest = texture.filter == TexelFilter::nearest;
     Json sampler{{"magFilter", nearest ? 9728 : 9729},
-                 {"minFilter", nearest ? 9728 : texture.mipmaps ? 9987 : 9729},
+                 {"minFilter", nearest           ? 9728
+                               : texture.mipmaps ? 9987
+                                                 : 9729},
                  {"wrapS", wrap(texture.wrap_u)},
                  {"wrapT", wrap(texture.wrap_v)}};
     Json& samplers = root_["samplers"];

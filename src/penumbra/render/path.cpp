@@ -129,7 +129,8 @@ Rgb Path::emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMate
   if (material.unlit) return walk.mirrors_only ? surface.emission : Rgb(0);  // a picture of light, not a lamp
   if (!emits_towards(material, point.geometric_normal, -walk.ray.direction)) return Rgb(0);
   if (walk.bsdf_pdf == 0) return surface.emission;
-  return surface.emission * static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.pdf(walk.last_position, point, walk.last_facing)));
+  return surface.emission *
+         static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.pdf(walk.last_position, point, walk.last_facing)));
 }
 
 Rgb Path::light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth,

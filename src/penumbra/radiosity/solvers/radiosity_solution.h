@@ -32,9 +32,9 @@ struct SolverStage {
 struct SolverOptions {
   /// Largest residual of the equation over the largest source (E_i + rho_i H_i), over all elements and bands. 0: never.
   double tolerance = 1e-4;
-  /// The tolerance counts as met only when no more than this share of the emitted energy is unshot (the sum of A_i times
-  /// the absolute residual): small residuals everywhere may be much light together. 1e-4 leaves an error of about 1e-4
-  /// / (1 - mean reflectance) in the mean. Infinite: residuals alone count.
+  /// The tolerance counts as met only when no more than this share of the emitted energy is unshot (the sum of A_i
+  /// times the absolute residual): small residuals everywhere may be much light together. 1e-4 leaves an error of about
+  /// 1e-4 / (1 - mean reflectance) in the mean. Infinite: residuals alone count.
   double most_unshot = 1e-4;
   /// Fraction of the emitted energy that was shot (shooting, progressive). 1: never.
   double stop_at = 0.9999;
