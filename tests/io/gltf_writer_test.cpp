@@ -312,6 +312,8 @@ TEST(GltfWriter, TexturesComeBackWithTheirTransforms) {
   m.base_colour_texture = TextureRef{.texture = 0, .uv_set = 1, .transform = transform};
   m.normal_texture = TextureRef{.texture = 1};
   m.normal_scale = 0.5F;
+  m.emission = Rgb(1);
+  m.emission_texture = TextureRef{.texture = 2};
   Scene scene = one_triangle(m);
   scene.images = {{.name = "picture",
                    .width = 2,
@@ -334,7 +336,8 @@ TEST(GltfWriter, TexturesComeBackWithTheirTransforms) {
   EXPECT_EQ(texture.wrap_v, Wrap::clamp);
   EXPECT_EQ(texture.filter, TexelFilter::nearest);
   EXPECT_FALSE(back.textures[back.materials[0].normal_texture->texture].mipmaps);
-  EXPECT_TRUE(back.textures.back().mipmaps);
+  ASSERT_TRUE(back.materials[0].emission_texture);
+  EXPECT_TRUE(back.textures[back.materials[0].emission_texture->texture].mipmaps);
   ASSERT_EQ(back.images.size(), 1U);
   EXPECT_EQ(back.images[0].texels, scene.images[0].texels);
   ASSERT_FALSE(back.meshes[0].uv[1].empty()) << "sets that the material reads are there, and none is left out";
