@@ -89,7 +89,7 @@ double mean_of(const Image& image) {
 
 // The mean over many seeds against uniform sampling with as many: equal within three standard errors of their
 // difference, itself below half a percent.
-TEST(AdaptiveSampling, HasNoBiasThatCouldBeSeen) {
+TEST(AdaptiveSamplingSlow, HasNoBiasThatCouldBeSeen) {
   const Scene scene = make_builtin_scene("cornell-box");
   const RayTracer tracer(scene);
   constexpr int seeds = 24;

@@ -53,8 +53,8 @@ TEST(RenderThreaded, AnyNumberOfThreadsDrawsTheSameBits) {
 
 TEST(RenderThreaded, AdaptiveSamplingDrawsTheSameBitsOnAnyNumberOfThreads) {
   Stage stage;
-  stage.options.samples_per_pixel = 200;
-  stage.options.noise = 0.1;
+  stage.options.samples_per_pixel = 48;
+  stage.options.noise = 0.3;
   for (const IntegratorKind kind : integrators) {
     stage.options.integrator = kind;
     const auto draw = [&](int threads) {
@@ -62,7 +62,7 @@ TEST(RenderThreaded, AdaptiveSamplingDrawsTheSameBitsOnAnyNumberOfThreads) {
       return stage.draw();
     };
     const RenderResult one = draw(1);
-    EXPECT_LT(one.mean_samples, 200);
+    EXPECT_LT(one.mean_samples, 48);
     for (const int threads : {2, 8}) EXPECT_EQ(draw(threads).image.data, one.image.data) << static_cast<int>(kind);
   }
 }
