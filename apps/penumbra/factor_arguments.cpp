@@ -27,12 +27,6 @@ const std::vector<std::pair<std::string, HemicubeVisibility>> hemicube_visibilit
 const std::vector<std::pair<std::string, AdaptiveVisibility>> adaptive_visibilities{
     {"clipping", AdaptiveVisibility::clipping}, {"bsp", AdaptiveVisibility::bsp_tree}};
 
-double positive(const OptionValue& v, std::string_view what) {
-  const double x = real_number(v, what);
-  if (!(x > 0)) throw UsageError(fmt::format("{} takes {}, not '{}'", v.option, what, v.text));
-  return x;
-}
-
 std::vector<std::pair<std::string, std::string>> method_names() {
   std::vector<std::pair<std::string, std::string>> names;
   for (const std::string_view name : form_factor_method_names()) names.emplace_back(name, name);
@@ -68,7 +62,7 @@ void add_method(OptionParser& parser, FactorArguments& a) {
       "--tolerance", "X",
       "for each row, the sum over j of |error of F_ij| is at most this (auto, adaptive; ray-cast at its 3 sigma) "
       "(default: 1e-4)",
-      [&](const OptionValue& v) { a.tolerance = positive(v, "a number above 0, such as 1e-4"); });
+      [&](const OptionValue& v) { a.tolerance = number_above_zero(v, "a number above 0, such as 1e-4"); });
   parser.value(
       "--rays", "N",
       "rays a patch (ray-cast), rounded up to 16 times a power of two (default: doubled until the tolerance is "
@@ -110,7 +104,7 @@ void add_output(OptionParser& parser, FactorArguments& a) {
                [&](const OptionValue& v) { a.row = v.text; });
   parser.value("--max-memory", "BYTES",
                "memory that the factors may take; beyond it rows wait on disk (default: 80 % of what is free)",
-               [&](const OptionValue& v) { a.max_memory = positive(v, "a number of bytes, such as 4e9"); });
+               [&](const OptionValue& v) { a.max_memory = number_above_zero(v, "a number of bytes, such as 4e9"); });
 }
 
 // An option that a method does not read would be ignored silently; better say so.

@@ -16,12 +16,6 @@ constexpr double usual_frame_height = 0.024;  // m, of 35 mm film
 const std::vector<std::pair<std::string, Projection>> projections{
     {"perspective", Projection::perspective}, {"panorama", Projection::panorama}, {"fisheye", Projection::fisheye}};
 
-double above_zero(const OptionValue& value, const char* what) {
-  const double number = real_number(value, what);
-  if (number <= 0) throw UsageError(fmt::format("{} takes {}, not '{}'", value.option, what, value.text));
-  return number;
-}
-
 std::optional<double> number_in(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -96,13 +90,14 @@ void add_lens_options(OptionParser& parser, LensOptions& options) {
                "vertical field of view in degrees (default: the camera's own; 40 where it has none, 65 inside a room); "
                "of a fisheye the angle across its circle, up to 360 (default: 180)",
                [&](const OptionValue& v) {
-                 options.fov = radians_per_degree * above_zero(v, "a field of view in degrees above 0");
+                 options.fov = radians_per_degree * number_above_zero(v, "a field of view in degrees above 0");
                });
-  parser.value("--f-number", "N",
-               "depth of field: focal length over aperture, smaller blurs more (default: a pinhole, all is sharp)",
-               [&](const OptionValue& v) { options.f_number = above_zero(v, "an f-number above 0, such as 2.8"); });
+  parser.value(
+      "--f-number", "N",
+      "depth of field: focal length over aperture, smaller blurs more (default: a pinhole, all is sharp)",
+      [&](const OptionValue& v) { options.f_number = number_above_zero(v, "an f-number above 0, such as 2.8"); });
   parser.value("--focus", "M", "distance of the plane in focus, m (default: of what the middle of the picture shows)",
-               [&](const OptionValue& v) { options.focus = above_zero(v, "a distance in metres above 0"); });
+               [&](const OptionValue& v) { options.focus = number_above_zero(v, "a distance in metres above 0"); });
   parser.value("--aperture", "SHAPE",
                "shape of points out of focus: disk, blades:N[:DEGREES] (an iris, turned), or a picture whose bright "
                "parts let light pass (default: disk)",
@@ -116,8 +111,9 @@ void add_lens_options(OptionParser& parser, LensOptions& options) {
                    throw UsageError("--cat-eye takes a share from 0 to 1, not '" + v.text + "'");
                  }
                });
-  parser.value("--frame-height", "MM", "height of the film or sensor behind the lens, mm (default: 24)",
-               [&](const OptionValue& v) { options.frame_height = above_zero(v, "millimetres above 0") / 1000; });
+  parser.value(
+      "--frame-height", "MM", "height of the film or sensor behind the lens, mm (default: 24)",
+      [&](const OptionValue& v) { options.frame_height = number_above_zero(v, "millimetres above 0") / 1000; });
 }
 
 void check(const LensOptions& o) {

@@ -41,6 +41,12 @@ double real_number(const OptionValue& value, std::string_view what) {
   return *number;
 }
 
+double number_above_zero(const OptionValue& value, std::string_view what) {
+  const double number = real_number(value, what);
+  if (!(number > 0)) throw UsageError(fmt::format("{} takes {}, not '{}'", value.option, what, value.text));
+  return number;
+}
+
 std::vector<double> number_list(const OptionValue& value, std::size_t count, std::string_view what) {
   std::vector<double> numbers;
   for (const std::string& part : split_at_commas(value.text)) {

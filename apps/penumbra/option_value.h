@@ -28,6 +28,9 @@ struct OptionValue {
 /// A finite number. @param what it measures, with the unit: "a number of seconds above 0". Throws UsageError.
 [[nodiscard]] double real_number(const OptionValue& value, std::string_view what);
 
+/// A finite number above 0. Throws UsageError.
+[[nodiscard]] double number_above_zero(const OptionValue& value, std::string_view what);
+
 /// Finite numbers with commas between, `count` of them. @param what they are, with an example. Throws UsageError.
 [[nodiscard]] std::vector<double> number_list(const OptionValue& value, std::size_t count, std::string_view what);
 

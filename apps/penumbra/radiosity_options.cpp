@@ -26,12 +26,6 @@ std::vector<std::pair<std::string, std::string>> choices_of(const Names& names) 
   return choices;
 }
 
-double above_zero(const OptionValue& v, std::string_view what) {
-  const double x = real_number(v, what);
-  if (!(x > 0)) throw UsageError(fmt::format("{} takes {}, not '{}'", v.option, what, v.text));
-  return x;
-}
-
 void add_mesh_options(OptionParser& parser, RadiosityOptions& o) {
   parser.value(
       "--subdivide", "none|uniform|adaptive",
@@ -46,7 +40,7 @@ void add_mesh_options(OptionParser& parser, RadiosityOptions& o) {
       "longest edge of an element, m; a rectangle becomes a grid of ceil(edge / M) each way (adaptive: to begin "
       "with)",
       [&](const OptionValue& v) {
-        o.element_size = above_zero(v, "a length in metres above 0");
+        o.element_size = number_above_zero(v, "a length in metres above 0");
         o.given = true;
       });
   parser.value("--elements", "N",
@@ -62,7 +56,7 @@ void add_contrast_option(OptionParser& parser, RadiosityOptions& o) {
                "adaptive: elements whose interpolated light is within this share of the scene's brightest are not cut "
                "further (default: 1e-3)",
                [&](const OptionValue& v) {
-                 o.contrast = above_zero(v, "a share above 0, such as 1e-3");
+                 o.contrast = number_above_zero(v, "a share above 0, such as 1e-3");
                  o.given = true;
                });
 }
@@ -78,7 +72,7 @@ void add_factor_options(OptionParser& parser, RadiosityOptions& o) {
                "for each element, the sum over j of |error of F_ij| is at most this (auto, adaptive; ray-cast at its 3 "
                "sigma) (default: 1e-3)",
                [&](const OptionValue& v) {
-                 o.factor_tolerance = above_zero(v, "a number above 0, such as 1e-3");
+                 o.factor_tolerance = number_above_zero(v, "a number above 0, such as 1e-3");
                  o.given = true;
                });
   parser.value("--rays", "N", "rays an element (ray-cast) (default: doubled until the tolerance is met)",

@@ -49,12 +49,6 @@ Region region(const OptionValue& value) {
   return {static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(n[2]), static_cast<int>(n[3])};
 }
 
-double positive(const OptionValue& value, const char* what) {
-  const double number = real_number(value, what);
-  if (number <= 0) throw UsageError(fmt::format("{} takes {}, not '{}'", value.option, what, value.text));
-  return number;
-}
-
 double throughput(const OptionValue& value) {
   const double bound = real_number(value, "a share of the light from 0 to 1");
   if (bound < 0 || bound > 1)
@@ -105,7 +99,7 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
       "adaptive sampling: sample until the standard error of pixels is this share of their brightness, such as "
       "0.02; quiet parts get 16 samples (default: the same number everywhere)",
       [&](const OptionValue& v) {
-        options.noise = positive(v, "a share above 0 and below 1, such as 0.02");
+        options.noise = number_above_zero(v, "a share above 0 and below 1, such as 0.02");
         if (options.noise >= 1) throw UsageError("--noise takes a share below 1, not '" + v.text + "'");
       });
   parser.value("--filter", "NAME",
@@ -129,7 +123,7 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
         given.final_gather = static_cast<int>(whole_number(v, 0, 1 << 20, "rays a sample"));
       });
   parser.value("--time-limit", "SECONDS", "stop after this time and keep the samples done by then (default: none)",
-               [&](const OptionValue& v) { options.time_limit = positive(v, "a number of seconds above 0"); });
+               [&](const OptionValue& v) { options.time_limit = number_above_zero(v, "a number of seconds above 0"); });
 }
 
 void add_solution_options(OptionParser& parser, RenderArguments& arguments) {
