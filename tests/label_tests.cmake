@@ -1,6 +1,6 @@
 # Read by CTest: labels follow from names, so that a test is sorted where it is written.
 foreach(list IN ITEMS math_tests file_tests parallel_tests image_tests scene_tests io_tests tracing_tests shading_tests
-                      render_tests radiosity_tests laws_tests cli_tests)
+                      render_tests radiosity_tests baking_tests laws_tests cli_tests)
   foreach(name IN LISTS ${list})
     set(labels)
     if(name MATCHES "Slow")

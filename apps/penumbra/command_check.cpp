@@ -8,7 +8,6 @@
 #include "console.h"
 #include "exit_code.h"
 #include "interrupt.h"
-#include "penumbra/io/scene_reader.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/leaks/leaks.h"
 #include "penumbra/scene/lint.h"
@@ -63,7 +62,7 @@ int check_scene(const CheckArguments& arguments) {
   const ThreadLimit limit(arguments.common.threads);
   const Stopwatch load_watch;
   console.progress("load", 0);
-  const LoadedScene loaded = read_scene(arguments.scene.source, arguments.scene.unit.value_or(1.0));
+  const LoadedScene loaded = read_source(arguments.scene);
   console.warn(loaded.warnings);
   const double load_seconds = load_watch.seconds();
 

@@ -7,6 +7,7 @@
 #include "penumbra/radiosity/form_factors/contact_factors.h"
 #include "penumbra/radiosity/form_factors/ray_cast.h"
 #include "report.h"
+#include "scene_options.h"
 #include "usage_error.h"
 
 namespace penumbra::cli {
@@ -40,6 +41,7 @@ void add_geometry(OptionParser& parser, FactorArguments& a) {
   parser.group("Surfaces");
   parser.value("--unit", "mm|cm|m|in", "length of one unit of OBJ, STL, PLY and .vs3 files (default: m)",
                [&](const OptionValue& v) { a.geometry.unit = choice<double>(v, units); });
+  add_allow_outside(parser, a.geometry.allow_outside);
   parser.value("--surfaces", "face|object|material",
                "what makes one row of the matrix (default: face; of a .vs3 always its own surfaces)",
                [&](const OptionValue& v) { a.geometry.grouping = choice<SurfaceGrouping>(v, groupings); });

@@ -27,11 +27,15 @@ std::string extension_of(const std::string& source) {
   return source.starts_with("builtin:") ? "" : extension;
 }
 
-LoadedScene read_mesh_scene(const std::string& source, double unit) {
+LoadedScene read_mesh_scene(const std::string& source, const ReadOptions& options) {
   const std::string extension = extension_of(source);
-  if (extension == ".stl") return read_stl(source, unit);
-  if (extension == ".ply") return read_ply(source, unit);
-  return read_scene(source, unit);
+  if (extension == ".stl") return read_stl(source, options.unit);
+  if (extension == ".ply") return read_ply(source, options.unit);
+  return read_scene(source, options);
+}
+
+ReadOptions read_options(const FactorGeometryOptions& options) {
+  return {.unit = options.unit, .allow_outside = options.allow_outside};
 }
 
 /// Gathers the polygons of all inputs into one model; where each came from is its place.
@@ -46,7 +50,7 @@ class ModelGatherer {
     if (extension_of(source) == ".vs3") {
       add_model(source);
     } else {
-      add_scene(source, read_mesh_scene(source, options_.unit));
+      add_scene(source, read_mesh_scene(source, read_options(options_)));
     }
     std::optional<std::uint32_t> head;
     for (std::uint32_t p = first; p < model_.polygons.size(); ++p) {
@@ -154,7 +158,7 @@ std::optional<PatchMesh> load_shapes(const FactorGeometryOptions& options, const
                                      std::vector<std::string>& warnings) {
   if (options.is_pair() || options.meshes.size() != 1 || extension_of(options.meshes[0]) == ".vs3") return std::nullopt;
   if (!options.meshes[0].starts_with("builtin:")) return std::nullopt;
-  const LoadedScene loaded = read_mesh_scene(options.meshes[0], options.unit);
+  const LoadedScene loaded = read_mesh_scene(options.meshes[0], read_options(options));
   if (loaded.scene.shapes.empty()) return std::nullopt;
   PatchMeshOptions with_shapes = patch_options;
   with_shapes.shape_segments = around_shapes;

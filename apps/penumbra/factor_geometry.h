@@ -13,7 +13,8 @@ struct FactorGeometryOptions {
   std::vector<std::string> meshes;
   std::string from, to;  ///< the pair form: two meshes, each one surface
   std::vector<std::string> blockers;
-  double unit = 1;  ///< metres per file unit
+  double unit = 1;             ///< metres per file unit
+  bool allow_outside = false;  ///< read what the meshes name outside their folders
   SurfaceGrouping grouping = SurfaceGrouping::face;
   PatchSides sides = PatchSides::front;
 

@@ -98,6 +98,19 @@ void add_scene_source(OptionParser& parser, SceneOptions& options) {
   parser.group("Scene");
   parser.value("--unit", "mm|cm|m|in", "length of one unit of an OBJ file (default: m); glTF is in metres",
                [&](const OptionValue& v) { options.unit = choice<double>(v, units); });
+  add_allow_outside(parser, options.allow_outside);
+}
+
+void add_allow_outside(OptionParser& parser, bool& allow_outside) {
+  parser.flag(
+      "--allow-outside",
+      "read pictures, buffers and materials that the file names by absolute paths, .. or links out of its folder "
+      "(default: they are refused)",
+      allow_outside);
+}
+
+LoadedScene read_source(const SceneOptions& options) {
+  return read_scene(options.source, {.unit = options.unit.value_or(1.0), .allow_outside = options.allow_outside});
 }
 
 void add_scene_options(OptionParser& parser, SceneOptions& options) {
@@ -119,7 +132,7 @@ void add_scene_options(OptionParser& parser, SceneOptions& options) {
 }
 
 Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings) {
-  LoadedScene loaded = read_scene(options.source, options.unit.value_or(1.0));
+  LoadedScene loaded = read_source(options);
   Scene scene = std::move(loaded.scene);
   warnings.insert(warnings.end(), loaded.warnings.begin(), loaded.warnings.end());
   keep_energy(options, scene, warnings);

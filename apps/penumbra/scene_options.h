@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "option_parser.h"
+#include "penumbra/io/load_report.h"
 #include "penumbra/scene/scene.h"
 
 namespace penumbra::cli {
@@ -16,14 +17,21 @@ struct SceneOptions {
   std::optional<std::string> environment;  ///< "R,G,B" or a picture's path
   bool front_sides_only = false;
   bool photometric = false;
-  bool fix_energy = false;  ///< scale materials that would send on more light than arrives
+  bool allow_outside = false;  ///< read what the scene names outside its folder
+  bool fix_energy = false;     ///< scale materials that would send on more light than arrives
 };
 
 /// Adds SCENE and its options. `options` must outlive `parser`'s last parse.
 void add_scene_options(OptionParser& parser, SceneOptions& options);
 
-/// Adds SCENE and --unit alone, for commands that take the file as it is.
+/// Adds SCENE and how to read it alone, for commands that take the file as it is.
 void add_scene_source(OptionParser& parser, SceneOptions& options);
+
+/// Adds --allow-outside.
+void add_allow_outside(OptionParser& parser, bool& allow_outside);
+
+/// Reads the scene as it stands in the file. Throws as read_scene.
+[[nodiscard]] LoadedScene read_source(const SceneOptions& options);
 
 /// Throws UsageError when an option does not fit the scene's format.
 void check(const SceneOptions& options);

@@ -34,7 +34,7 @@ class ObjReader : public testing::Test {
 
   [[nodiscard]] LoadedScene read(std::string_view obj, double unit = 1) const {
     write("model.obj", obj);
-    return read_obj(folder_ / "model.obj", unit);
+    return read_obj(folder_ / "model.obj", {.unit = unit});
   }
 
   /// The scene of an OBJ that is in order: no warnings.

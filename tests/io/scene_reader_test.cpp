@@ -34,7 +34,7 @@ TEST(SceneReader, ReadsObjByItsExtensionWhateverItsCase) {
   const std::string_view text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   for (const char* extension : {".obj", ".OBJ"}) {
     const test::TemporaryFile file(text, extension);
-    const auto loaded = read_scene(file.path().string(), 0.01);
+    const auto loaded = read_scene(file.path().string(), {.unit = 0.01});
     EXPECT_EQ(loaded.scene.triangle_count(), 1U);
     EXPECT_DOUBLE_EQ(loaded.scene.bounds().upper.x, 0.01);
   }

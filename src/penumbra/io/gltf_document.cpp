@@ -46,8 +46,12 @@ std::string_view as_text(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-GltfDocument::GltfDocument(const std::filesystem::path& path)
-    : path_(path), file_(path.string()), warnings_(file_), bytes_(read_file(path)) {
+GltfDocument::GltfDocument(const std::filesystem::path& path, const ReadOptions& options)
+    : path_(path),
+      folder_(path, options.allow_outside),
+      file_(path.string()),
+      warnings_(file_),
+      bytes_(read_file(path)) {
   if (as_text(bytes_).starts_with("glTF")) {
     split_glb();
   } else if (path_.extension() == ".glb" || path_.extension() == ".GLB") {
@@ -195,10 +199,20 @@ GltfDocument::View GltfDocument::view(std::uint64_t index, const JsonPlace& user
           static_cast<std::size_t>(stride)};
 }
 
+// The file that a URI names.
+std::filesystem::path GltfDocument::asset(const std::string& uri) const {
+  const std::string name = uri_file_name(uri);
+  try {
+    return folder_.resolve(name);
+  } catch (const std::invalid_argument& wrong) {
+    throw std::invalid_argument(fmt::format("its URI '{}' {}", shown_uri(uri), wrong.what()));
+  }
+}
+
 std::vector<std::byte> GltfDocument::uri_bytes(const std::string& uri, const JsonPlace& user) const {
   try {
     if (auto bytes = data_uri_bytes(uri)) return std::move(*bytes);
-    const auto path = path_.parent_path() / relative_uri_path(uri);
+    const auto path = asset(uri);
     std::error_code ignored;
     const auto status = std::filesystem::status(path, ignored);
     // A pipe or a device would never end.

@@ -9,8 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "penumbra/io/asset_folder.h"
 #include "penumbra/io/json_place.h"
 #include "penumbra/io/json_value.h"
+#include "penumbra/io/read_options.h"
 #include "penumbra/io/warning_tally.h"
 
 namespace penumbra {
@@ -20,7 +22,7 @@ class GltfDocument {
  public:
   /// Reads .glb (by its magic) or .gltf and its buffers, and checks version and required extensions; each unknown
   /// optional extension is one warning. Throws FileError.
-  explicit GltfDocument(const std::filesystem::path& path);
+  explicit GltfDocument(const std::filesystem::path& path, const ReadOptions& options = {});
   GltfDocument(const GltfDocument&) = delete;
   GltfDocument& operator=(const GltfDocument&) = delete;
 
@@ -48,6 +50,7 @@ class GltfDocument {
   [[nodiscard]] std::vector<std::byte> uri_bytes(const std::string& uri, const JsonPlace& user) const;
 
  private:
+  [[nodiscard]] std::filesystem::path asset(const std::string& uri) const;
   void split_glb();
   void check_version() const;
   void check_extensions();
@@ -55,6 +58,7 @@ class GltfDocument {
   [[nodiscard]] std::span<const std::byte> buffer(std::uint64_t index, const JsonPlace& user) const;
 
   std::filesystem::path path_;
+  AssetFolder folder_;
   std::string file_;
   WarningTally warnings_;
   std::vector<std::byte> bytes_;

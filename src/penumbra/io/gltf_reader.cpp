@@ -31,8 +31,8 @@ Rgb colour_of(const JsonPlace& place, std::string_view key) {
 /// Reads the document into one scene.
 class SceneReader {
  public:
-  explicit SceneReader(const std::filesystem::path& path)
-      : document_(path),
+  SceneReader(const std::filesystem::path& path, const ReadOptions& options)
+      : document_(path, options),
         textures_(document_, scene_),
         meshes_(document_, [this](std::int64_t index, const JsonPlace& user) { return material(index, user); }) {}
 
@@ -150,6 +150,8 @@ class SceneReader {
 
 }  // namespace
 
-LoadedScene read_gltf(const std::filesystem::path& path) { return SceneReader(path).read(); }
+LoadedScene read_gltf(const std::filesystem::path& path, const ReadOptions& options) {
+  return SceneReader(path, options).read();
+}
 
 }  // namespace penumbra

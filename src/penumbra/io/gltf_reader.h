@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "penumbra/io/load_report.h"
+#include "penumbra/io/read_options.h"
 
 namespace penumbra {
 
@@ -27,8 +28,9 @@ namespace penumbra {
 /// - of the scene: `{"environment": {"radiance": [r, g, b], "backdrop_only": bool}}` in W/(m^2 sr) and
 ///   `{"ambient": [r, g, b]}`, an AmbientLight.
 ///
-/// URIs name files in the glTF's folder or below it, or hold data themselves; absolute paths, `..` out of the folder
-/// and schemes such as http: are refused. Every bound is checked before a byte is read. Throws FileError.
-[[nodiscard]] LoadedScene read_gltf(const std::filesystem::path& path);
+/// URIs name files in the glTF's folder or below it (AssetFolder), or hold data themselves; schemes such as http: are
+/// refused. The unit of `options` does not apply: glTF is in metres. Every bound is checked before a byte is read.
+/// Throws FileError.
+[[nodiscard]] LoadedScene read_gltf(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace penumbra

@@ -74,15 +74,6 @@ bool has_scheme(std::string_view uri) {
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '+' || c == '-' || c == '.'; });
 }
 
-std::string shown(std::string_view uri) {
-  constexpr std::size_t longest = 80;
-  std::string text(uri.substr(0, longest));
-  if (uri.size() > longest) text += "...";
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
-  return text;
-}
-
 }  // namespace
 
 std::optional<std::vector<std::byte>> data_uri_bytes(std::string_view uri) {
@@ -99,28 +90,23 @@ std::optional<std::vector<std::byte>> data_uri_bytes(std::string_view uri) {
   return bytes;
 }
 
-std::filesystem::path relative_uri_path(std::string_view uri) {
+std::string shown_uri(std::string_view uri) {
+  constexpr std::size_t longest = 80;
+  std::string text(uri.substr(0, longest));
+  if (uri.size() > longest) text += "...";
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
+  return text;
+}
+
+std::string uri_file_name(std::string_view uri) {
   if (has_scheme(uri)) {
     throw std::invalid_argument(
         fmt::format("its URI '{}' has a scheme or a drive; only files beside the glTF are read, so name it relative to "
                     "the glTF's folder",
-                    shown(uri)));
+                    shown_uri(uri)));
   }
-  std::string name = percent_decoded(uri);
-  std::replace(name.begin(), name.end(), '\\', '/');
-  if (name.empty() || name.find('\0') != std::string::npos) {
-    throw std::invalid_argument(fmt::format("its URI '{}' names no file; name one in the glTF's folder", shown(uri)));
-  }
-  if (name.front() == '/') {
-    throw std::invalid_argument(
-        fmt::format("its URI '{}' is an absolute path; name it relative to the glTF's folder", shown(uri)));
-  }
-  const auto path = std::filesystem::path(name).lexically_normal();
-  if (path.begin() != path.end() && *path.begin() == "..") {
-    throw std::invalid_argument(fmt::format(
-        "its URI '{}' leaves the folder of the glTF; move the file into that folder and name it there", shown(uri)));
-  }
-  return path;
+  return percent_decoded(uri);
 }
 
 }  // namespace penumbra

@@ -8,7 +8,6 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/input_file.h"
 #include "penumbra/image/image_io.h"
-#include "penumbra/io/asset_path.h"
 #include "penumbra/io/text_cursor.h"
 
 namespace penumbra {
@@ -139,14 +138,8 @@ std::optional<std::uint32_t> MtlMaterials::image(const MtlMap& map, const MtlMat
   const auto [slot, is_new] = image_of_file_.try_emplace(map.file);
   if (!is_new) return slot->second;
   const std::string place = fmt::format("{} of {}", map.place, mtl.file);
-  const auto relative = asset_path(map.file);
-  if (!relative) {
-    warnings_.count("pictures outside the folder of the scene are not read, so colours stand for them; copy them there",
-                    fmt::format("{} ({})", place, in_quotes(map.file)));
-    return std::nullopt;
-  }
   try {
-    const auto path = folder_ / *relative;
+    const auto path = folder_.resolve(map.file);
     Image8 decoded = decode_image8(read_file(path), path.string());
     slot->second = static_cast<std::uint32_t>(scene_.images.size());
     scene_.images.push_back({.name = map.file,
@@ -154,6 +147,11 @@ std::optional<std::uint32_t> MtlMaterials::image(const MtlMap& map, const MtlMat
                              .height = decoded.height,
                              .channels = decoded.channels,
                              .texels = std::move(decoded.data)});
+  } catch (const std::invalid_argument&) {
+    warnings_.count(
+        "pictures outside the folder of the scene are not read, so colours stand for them; copy them there or allow "
+        "them (--allow-outside)",
+        fmt::format("{} ({})", place, in_quotes(map.file)));
   } catch (const FileError& error) {
     warnings_.count("a picture could not be read, so colours stand for it", fmt::format("{}: {}", place, error.what()));
   }

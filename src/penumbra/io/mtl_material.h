@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "penumbra/io/asset_folder.h"
 #include "penumbra/io/mtl_library.h"
 #include "penumbra/io/warning_tally.h"
 #include "penumbra/scene/scene.h"
@@ -27,7 +27,7 @@ namespace penumbra {
 class MtlMaterials {
  public:
   /// @param folder where pictures are looked for.
-  MtlMaterials(std::filesystem::path folder, Scene& scene, WarningTally& warnings)
+  MtlMaterials(AssetFolder folder, Scene& scene, WarningTally& warnings)
       : folder_(std::move(folder)), scene_(scene), warnings_(warnings) {}
 
   [[nodiscard]] Material material(std::string_view name, const MtlMaterial& mtl);
@@ -38,7 +38,7 @@ class MtlMaterials {
   void set_textures(Material& material, const MtlMaterial& mtl);
   [[nodiscard]] Rgb reflectance(const Rgb& colour, const MtlMaterial& mtl);
 
-  std::filesystem::path folder_;
+  AssetFolder folder_;
   Scene& scene_;
   WarningTally& warnings_;
   std::map<std::string, std::optional<std::uint32_t>> image_of_file_;

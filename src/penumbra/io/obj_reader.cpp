@@ -8,7 +8,7 @@
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/input_file.h"
-#include "penumbra/io/asset_path.h"
+#include "penumbra/io/asset_folder.h"
 #include "penumbra/io/mtl_library.h"
 #include "penumbra/io/mtl_material.h"
 #include "penumbra/io/obj_mesh.h"
@@ -19,11 +19,17 @@
 namespace penumbra {
 namespace {
 
+bool is_there(const std::string& name, const AssetFolder& folder) {
+  try {
+    return std::filesystem::exists(folder.resolve(name));
+  } catch (const std::exception&) {
+    return false;  // no name of a file here, or none that the system can look at
+  }
+}
+
 // The names of one mtllib statement: a single file with blanks in its name if there is one, else several.
-std::vector<std::string> library_names(const std::string& names, const std::filesystem::path& folder) {
-  std::error_code ignored;
-  const auto whole = asset_path(names);
-  if (whole && std::filesystem::exists(folder / *whole, ignored)) return {names};
+std::vector<std::string> library_names(const std::string& names, const AssetFolder& folder) {
+  if (is_there(names, folder)) return {names};
   std::vector<std::string> parted;
   for (std::size_t at = names.find_first_not_of(" \t"); at != std::string::npos;) {
     const std::size_t end = names.find_first_of(" \t", at);
@@ -33,20 +39,23 @@ std::vector<std::string> library_names(const std::string& names, const std::file
   return parted;
 }
 
-MtlLibrary read_libraries(const ObjModel& model, const std::filesystem::path& folder, WarningTally& warnings) {
+MtlLibrary read_libraries(const ObjModel& model, const AssetFolder& folder, WarningTally& warnings) {
   MtlLibrary all;
   for (const auto& [names, place] : model.libraries) {
     for (const std::string& name : library_names(names, folder)) {
-      const auto relative = asset_path(name);
-      std::error_code ignored;
-      if (!relative) {
-        warnings.count("MTL files outside the folder of the OBJ are not read; copy them there",
-                       fmt::format("{} ({})", place, in_quotes(name)));
-      } else if (!std::filesystem::exists(folder / *relative, ignored)) {
-        warnings.count("the MTL file is not there, so its materials are matt grey; put it beside the OBJ",
-                       fmt::format("{} ({})", place, in_quotes(name)));
-      } else {
-        all.merge(read_mtl(folder / *relative, warnings));
+      const std::string named = fmt::format("{} ({})", place, in_quotes(name));
+      try {
+        const auto path = folder.resolve(name);
+        std::error_code ignored;
+        if (std::filesystem::exists(path, ignored)) {
+          all.merge(read_mtl(path, warnings));
+        } else {
+          warnings.count("the MTL file is not there, so its materials are matt grey; put it beside the OBJ", named);
+        }
+      } catch (const std::invalid_argument&) {
+        warnings.count(
+            "MTL files outside the folder of the OBJ are not read; copy them there or allow them (--allow-outside)",
+            named);
       }
     }
   }
@@ -62,7 +71,7 @@ MtlLibrary::const_iterator find_material(const MtlLibrary& library, const std::s
 }
 
 // One material for each that faces use, in their order.
-void add_materials(const ObjModel& model, const MtlLibrary& library, const std::filesystem::path& folder, Scene& scene,
+void add_materials(const ObjModel& model, const MtlLibrary& library, const AssetFolder& folder, Scene& scene,
                    WarningTally& warnings) {
   MtlMaterials materials(folder, scene, warnings);
   for (const std::string& name : model.material_names) {
@@ -81,7 +90,8 @@ void add_materials(const ObjModel& model, const MtlLibrary& library, const std::
 
 }  // namespace
 
-LoadedScene read_obj(const std::filesystem::path& path, double unit) {
+LoadedScene read_obj(const std::filesystem::path& path, const ReadOptions& options) {
+  const double unit = options.unit;
   if (!(unit > 0) || !std::isfinite(unit))
     throw std::invalid_argument("the unit of an OBJ must be a positive number of metres");
   const std::string name = path.string();
@@ -93,7 +103,7 @@ LoadedScene read_obj(const std::filesystem::path& path, double unit) {
     const auto bytes = read_file(path);
     return parse_obj(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, unit, warnings);
   }();
-  const auto folder = path.parent_path();
+  const AssetFolder folder(path, options.allow_outside);
   add_materials(model, read_libraries(model, folder, warnings), folder, scene, warnings);
   scene.meshes = make_obj_meshes(model, name, warnings);
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)

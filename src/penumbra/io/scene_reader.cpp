@@ -22,13 +22,13 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-LoadedScene read_scene(std::string_view source, double unit) {
+LoadedScene read_scene(std::string_view source, const ReadOptions& options) {
   if (source.starts_with(builtin_prefix)) return {make_builtin_scene(source.substr(builtin_prefix.size())), {}};
 
   const std::filesystem::path path(source);
   const std::string extension = lower_case(path.extension().string());
-  if (extension == ".obj") return read_obj(path, unit);
-  if (extension == ".glb" || extension == ".gltf") return read_gltf(path);
+  if (extension == ".obj") return read_obj(path, options);
+  if (extension == ".glb" || extension == ".gltf") return read_gltf(path, options);
 
   constexpr std::string_view remedy =
       "name a .glb, .gltf or .obj file, or builtin:NAME (penumbra scene --list shows them)";

@@ -3,12 +3,13 @@
 #include <string_view>
 
 #include "penumbra/io/load_report.h"
+#include "penumbra/io/read_options.h"
 
 namespace penumbra {
 
 /// Makes or reads any SCENE of the command line: `builtin:NAME?key=value`, or a path by its extension
-/// (.glb, .gltf, .obj). @param unit metres per file unit, for formats without one of their own.
+/// (.glb, .gltf, .obj).
 /// Throws FileError, or std::invalid_argument for a wrong builtin.
-[[nodiscard]] LoadedScene read_scene(std::string_view source, double unit = 1.0);
+[[nodiscard]] LoadedScene read_scene(std::string_view source, const ReadOptions& options = {});
 
 }  // namespace penumbra
