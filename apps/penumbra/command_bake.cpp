@@ -12,6 +12,8 @@
 #include "lightmap_bake.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "report.h"
+#include "run_limits.h"
+#include "scene_options.h"
 #include "snapshots.h"
 #include "solution_file.h"
 
@@ -124,7 +126,7 @@ std::unique_ptr<RadiositySetup> set_up(const BakeArguments& arguments, const Sce
 int bake_scene(const BakeArguments& arguments) {
   Console console(arguments.common);
   Interrupt interrupt;  // before the first thread of the work
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   Seconds seconds;
 
   const Stopwatch load_watch;
@@ -132,6 +134,7 @@ int bake_scene(const BakeArguments& arguments) {
   std::vector<std::string> warnings;
   const Scene scene = load_scene(arguments.scene, warnings);
   console.warn(warnings);
+  require_room_for_faces(scene, arguments.scene.source);
   seconds.load = load_watch.seconds();
 
   const Progress progress{[&](std::string_view stage, double fraction) { console.progress(stage, fraction); },

@@ -8,10 +8,10 @@
 #include "console.h"
 #include "exit_code.h"
 #include "interrupt.h"
-#include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/leaks/leaks.h"
 #include "penumbra/scene/lint.h"
 #include "report.h"
+#include "run_limits.h"
 #include "scene_options.h"
 #include "standard_output.h"
 
@@ -59,11 +59,12 @@ std::string text_of(const std::vector<Finding>& findings) {
 int check_scene(const CheckArguments& arguments) {
   Console console(arguments.common);
   Interrupt interrupt;
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   const Stopwatch load_watch;
   console.progress("load", 0);
   const LoadedScene loaded = read_source(arguments.scene);
   console.warn(loaded.warnings);
+  require_room_for_faces(loaded.scene, arguments.scene.source);
   const double load_seconds = load_watch.seconds();
 
   const Stopwatch check_watch;

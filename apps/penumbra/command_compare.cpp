@@ -8,8 +8,8 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/compare.h"
 #include "penumbra/image/image_io.h"
-#include "penumbra/parallel/parallel_for.h"
 #include "report.h"
+#include "run_limits.h"
 #include "standard_output.h"
 
 namespace penumbra::cli {
@@ -77,7 +77,7 @@ std::string table(const ImageDifference& d) {
 int run_compare(const std::vector<std::string>& arguments) {
   const auto parsed = parse(arguments);
   if (!parsed) return exit_done;
-  const ThreadLimit limit(parsed->common.threads);
+  const RunLimits limits(parsed->common);
   const ImageDifference apart = difference(*parsed);
   write_report(parsed->common, report_on(apart));
   if (!parsed->common.json) write_standard_output(table(apart));

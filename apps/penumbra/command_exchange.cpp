@@ -14,6 +14,7 @@
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/form_factors/normalization.h"
 #include "report.h"
+#include "run_limits.h"
 #include "usage_error.h"
 
 namespace penumbra::cli {
@@ -126,7 +127,7 @@ int run_exchange(const std::vector<std::string>& arguments) {
   if (!parsed) return exit_done;
   Console console(parsed->common);
   Interrupt interrupt;
-  const ThreadLimit limit(parsed->common.threads);
+  const RunLimits limits(parsed->common);
   HeatModel model = read_heat_model(parsed->factors, parsed->surfaces);
   if (parsed->enclosure) normalize_least_squares(model.factors);
   warn_of_openings(model, *parsed, console);

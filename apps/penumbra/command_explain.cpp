@@ -8,12 +8,12 @@
 #include "console.h"
 #include "exit_code.h"
 #include "penumbra/file/output_file.h"
-#include "penumbra/parallel/parallel_for.h"
 #include "penumbra/render/camera_rays.h"
 #include "picture_size.h"
 #include "ray_tree_drawing.h"
 #include "ray_tree_text.h"
 #include "report.h"
+#include "run_limits.h"
 #include "scene_options.h"
 #include "standard_output.h"
 
@@ -102,7 +102,7 @@ std::string written_as(const std::string& extension, const RayTree& tree, const 
 
 int explain_pixel(const ExplainArguments& arguments) {
   Console console(arguments.common);
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   std::vector<std::string> warnings;
   const Scene scene = load_scene(arguments.scene, warnings);
   console.warn(warnings);

@@ -1,6 +1,4 @@
 #include <fmt/core.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "exit_code.h"
 #include "factor_arguments.h"
 #include "interrupt.h"
+#include "memory_limit.h"
 #include "penumbra/file/output_file.h"
 #include "penumbra/io/matrix_writer.h"
 #include "penumbra/io/triplet_spill.h"
@@ -21,6 +20,7 @@
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
 #include "penumbra/radiosity/form_factors/normalization.h"
 #include "report.h"
+#include "run_limits.h"
 #include "standard_output.h"
 
 namespace penumbra::cli {
@@ -67,9 +67,10 @@ class RowSink {
   std::optional<std::size_t> shown_;
 };
 
-double default_memory() {
-  const double pages = static_cast<double>(::sysconf(_SC_AVPHYS_PAGES));
-  return 0.8 * pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
+// What the matrix may take of what is left, the rest is for the method that fills it.
+double matrix_memory() {
+  constexpr double share = 0.7;
+  return share * memory_left();
 }
 
 // Even a full matrix fits: 24 bytes an entry while it is assembled, and the sorting's room.
@@ -264,7 +265,7 @@ int write_matrix(const FactorArguments& arguments) {
   check_creatable(arguments.output);
   Console console(arguments.common);
   Interrupt interrupt;
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   Seconds seconds;
   std::vector<std::string> warnings;
   const PatchMesh mesh = load(arguments, console, warnings, seconds);
@@ -280,7 +281,7 @@ int write_matrix(const FactorArguments& arguments) {
   const auto writer = shows ? nullptr : make_matrix_writer(arguments.output);
   FactorSummary summary;
   RowSink sink(summary, writer.get(), shown, mesh.surface_count());
-  const double memory = arguments.max_memory.value_or(default_memory());
+  const double memory = matrix_memory();
   if (fits_in_memory(mesh.surface_count(), memory)) {
     assemble_in_memory(*method, mesh, arguments, progress, summary, sink);
   } else {
@@ -337,7 +338,7 @@ PairFactors pair_factors(const FormFactorMethod& method, const PatchMesh& mesh, 
 int print_pair(const FactorArguments& arguments) {
   Console console(arguments.common);
   Interrupt interrupt;
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   Seconds seconds;
   std::vector<std::string> warnings;
   const PatchMesh mesh = load(arguments, console, warnings, seconds);

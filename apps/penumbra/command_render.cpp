@@ -12,6 +12,7 @@
 #include "penumbra/render/two_pass.h"
 #include "render_arguments.h"
 #include "report.h"
+#include "run_limits.h"
 #include "solution_file.h"
 
 namespace penumbra::cli {
@@ -146,7 +147,7 @@ void say_result(const RenderArguments& arguments, const RenderResult& result, Co
 int render_picture(const RenderArguments& arguments) {
   Console console(arguments.common);
   Interrupt interrupt;  // before the first thread of the work
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   Seconds seconds;
 
   const Stopwatch load_watch;

@@ -9,9 +9,9 @@
 #include "exit_code.h"
 #include "penumbra/file/output_file.h"
 #include "penumbra/io/gltf_writer.h"
-#include "penumbra/parallel/parallel_for.h"
 #include "penumbra/scene/builtin_scenes.h"
 #include "report.h"
+#include "run_limits.h"
 #include "standard_output.h"
 
 namespace penumbra::cli {
@@ -76,7 +76,7 @@ int list_scenes(const CommonOptions& common) {
 int write_scene(const SceneArguments& arguments) {
   check_creatable(arguments.output);
   Console console(arguments.common);
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   const Stopwatch watch;
   const std::string prefix = "builtin:";
   const std::string name = arguments.name.starts_with(prefix) ? arguments.name.substr(prefix.size()) : arguments.name;

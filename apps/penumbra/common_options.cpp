@@ -19,6 +19,11 @@ void add_common_options(OptionParser& parser, CommonOptions& options) {
   parser.value(
       "--threads", "N", "how many threads work (default: one for every core); the result does not depend on it",
       [&](const OptionValue& v) { options.threads = static_cast<int>(whole_number(v, 1, most_threads, "threads")); });
+  parser.value(
+      "--max-memory", "BYTES",
+      "the most memory to take, such as 4e9 (default: 80 % of what the machine has); what would need more ends "
+      "with a sentence",
+      [&](const OptionValue& v) { options.max_memory = number_above_zero(v, "a number of bytes, such as 4e9"); });
   parser.value("--seed", "N",
                "start of the random numbers, 0 or more (default: 0); the same seed gives the same result",
                [&](const OptionValue& v) {

@@ -12,7 +12,8 @@ enum class ProgressMode { automatic, bar, json, off };
 
 /// The options that every command has.
 struct CommonOptions {
-  int threads = 0;  ///< 0: every core
+  int threads = 0;                   ///< 0: every core
+  std::optional<double> max_memory;  ///< bytes; none: 80 % of what the machine has
   std::uint64_t seed = 0;
   bool quiet = false;
   bool json = false;  ///< the report on standard output, and nothing else there

@@ -12,6 +12,10 @@
 namespace penumbra::cli {
 namespace {
 
+constexpr std::string_view no_memory =
+    "there is not enough memory (--max-memory, by default 80 % of what the machine has); try a smaller picture or "
+    "scene, or allow more";
+
 int say(int code, std::string_view sentence) {
   fmt::print(stderr, "penumbra: {}\n", sentence);
   return code;
@@ -27,9 +31,9 @@ int report_failure(const std::exception_ptr& failure) {
   } catch (const std::invalid_argument& e) {
     return say(exit_bad_input, e.what());
   } catch (const std::bad_alloc&) {
-    return say(exit_failed, "not enough memory; try a smaller picture or scene, or close other programs");
+    return say(exit_failed, no_memory);
   } catch (const std::length_error&) {
-    return say(exit_failed, "not enough memory; try a smaller picture or scene, or close other programs");
+    return say(exit_failed, no_memory);
   } catch (const std::exception& e) {
     return say(exit_failed, e.what());
   }

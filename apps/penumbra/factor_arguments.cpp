@@ -104,9 +104,6 @@ void add_output(OptionParser& parser, FactorArguments& a) {
                [&](const OptionValue& v) { a.normalization = choice<NormalizationKind>(v, normalizations); });
   parser.value("--row", "NAME|INDEX", "the row that a .vtu shows, by name or counted from 0 (default: 0)",
                [&](const OptionValue& v) { a.row = v.text; });
-  parser.value("--max-memory", "BYTES",
-               "memory that the factors may take; beyond it rows wait on disk (default: 80 % of what is free)",
-               [&](const OptionValue& v) { a.max_memory = number_above_zero(v, "a number of bytes, such as 4e9"); });
 }
 
 // An option that a method does not read would be ignored silently; better say so.

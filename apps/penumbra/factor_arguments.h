@@ -27,8 +27,7 @@ struct FactorArguments {
   bool hemicube_rotate = false;
   std::optional<AdaptiveVisibility> adaptive_visibility;
   NormalizationKind normalization = NormalizationKind::none;
-  std::optional<double> max_memory;  ///< bytes
-  std::optional<std::string> row;    ///< of the .vtu: a name or an index
+  std::optional<std::string> row;  ///< of the .vtu: a name or an index
   CommonOptions common;
 
   /// The tolerance that holds when none was given.

@@ -14,6 +14,7 @@
 #include "penumbra/io/scene_reader.h"
 #include "penumbra/io/stl_reader.h"
 #include "penumbra/io/vs3_reader.h"
+#include "scene_options.h"
 
 namespace penumbra::cli {
 namespace {
@@ -91,6 +92,7 @@ class ModelGatherer {
   void add_scene(const std::string& source, LoadedScene loaded) {
     warnings_.insert(warnings_.end(), loaded.warnings.begin(), loaded.warnings.end());
     const Scene& scene = loaded.scene;
+    require_room_for_faces(scene, source);
     if (!scene.shapes.empty()) {
       throw FileError(source, "", "holds exact shapes beside polygons; factors takes it alone, as one MESH");
     }

@@ -22,6 +22,8 @@
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/scene/shape_mesh.h"
 #include "report.h"
+#include "run_limits.h"
+#include "scene_options.h"
 #include "usage_error.h"
 
 namespace penumbra::cli {
@@ -184,7 +186,7 @@ std::string lightmap_description_name(const std::string& output) {
 int bake_lightmap(const BakeArguments& arguments) {
   Console console(arguments.common);
   Interrupt interrupt;  // before the first thread of the work
-  const ThreadLimit limit(arguments.common.threads);
+  const RunLimits limits(arguments.common);
   Seconds seconds;
   std::vector<std::string> warnings;
   const auto timed = [](double& time, const auto& work) {
@@ -197,6 +199,7 @@ int bake_lightmap(const BakeArguments& arguments) {
   console.progress("load", 0);
   Scene scene = timed(seconds.load, [&] { return without_shapes(load_scene(arguments.scene, warnings), warnings); });
   console.warn(warnings);
+  require_room_for_faces(scene, arguments.scene.source);
   interrupt.something_to_keep();
 
   console.progress("mesh", 0);

@@ -1,11 +1,10 @@
 #include "radiosity_options.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
 
+#include "memory_limit.h"
 #include "penumbra/radiosity/solvers/solver.h"
 #include "usage_error.h"
 
@@ -14,7 +13,7 @@ namespace {
 
 constexpr long long most_elements = 100'000'000;
 constexpr long long most_iterations = 1'000'000'000;
-constexpr double share_of_free_memory = 0.8;
+constexpr double share_of_memory = 0.8;
 
 const std::vector<std::pair<std::string, Subdivision>> subdivisions{
     {"none", Subdivision::none}, {"uniform", Subdivision::uniform}, {"adaptive", Subdivision::adaptive}};
@@ -128,10 +127,6 @@ void add_iteration_options(OptionParser& parser, RadiosityOptions& o) {
                });
 }
 
-double free_memory() {
-  return static_cast<double>(::sysconf(_SC_AVPHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-}
-
 }  // namespace
 
 void add_radiosity_options(OptionParser& parser, RadiosityOptions& o) {
@@ -194,7 +189,7 @@ RadiositySetupOptions setup_options(const RadiosityOptions& o, bool front_sides_
   setup.factors.resolution = o.resolution.value_or(0);
   setup.solver = o.solver;
   setup.specular_rays = o.specular_rays.value_or(setup.specular_rays);
-  setup.factor_memory = share_of_free_memory * free_memory();
+  setup.factor_memory = share_of_memory * memory_left();
   setup.seed = seed;
   return setup;
 }

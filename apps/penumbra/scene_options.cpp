@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "memory_limit.h"
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/image_io.h"
 #include "penumbra/io/scene_reader.h"
@@ -129,6 +130,17 @@ void add_scene_options(OptionParser& parser, SceneOptions& options) {
   parser.flag("--photometric",
               "the file's emission is in nit: divide it by 683 lm/W (default: it is radiance in W/(m^2 sr))",
               options.photometric);
+}
+
+void require_room_for_faces(const Scene& scene, const std::string& source) {
+  constexpr double bytes_a_face = 400;  // of a patch, with the edges and boxes that are made for it
+  const double needed = bytes_a_face * static_cast<double>(scene.triangle_count());
+  if (needed <= memory_left()) return;
+  throw FileError(
+      source, "",
+      fmt::format("has {} triangles, instances counted each time, which take about {:.1f} GB as faces of their "
+                  "own; that is more than --max-memory allows ({:.1f} GB left)",
+                  scene.triangle_count(), needed / 1e9, memory_left() / 1e9));
 }
 
 Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings) {

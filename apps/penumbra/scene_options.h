@@ -33,6 +33,11 @@ void add_allow_outside(OptionParser& parser, bool& allow_outside);
 /// Reads the scene as it stands in the file. Throws as read_scene.
 [[nodiscard]] LoadedScene read_source(const SceneOptions& options);
 
+/// Refuses a scene whose triangles, each instance's own, would not fit into the memory that is left: instances of
+/// instances make a thousand million of them in a small file. For commands that give each triangle a face of its own.
+/// @param source what messages call the scene. Throws FileError.
+void require_room_for_faces(const Scene& scene, const std::string& source);
+
 /// Throws UsageError when an option does not fit the scene's format.
 void check(const SceneOptions& options);
 
