@@ -44,7 +44,8 @@ nlohmann::json reference(const char* file) {
 
 // penumbra.json: between full light and none lie w h / (H - h).
 TEST(ExactShadows, PenumbraIsAsWideAsGeometrySays) {
-  for (const auto& c : reference("penumbra.json").at("cases")) {
+  const nlohmann::json penumbra = reference("penumbra.json");
+  for (const auto& c : penumbra.at("cases")) {
     if (!c.contains("width")) continue;
     const double w = c.at("w"), h = c.at("h_o"), H = c.at("H");
     const Scene edge = edge_under(w, h, H, 2);
@@ -72,7 +73,7 @@ TEST(ExactShadows, AFarSquareLampFadesLinearly) {
   const Scene scene = edge_under(w, h, H, w);
   const RayTracer tracer(scene);
   const double half_width = w * h / (H - h) / 2;
-  const double whole = 0.5 * 4 * w * w / (H * H);
+  const double whole = 0.5 / pi * 4 * w * w / (H * H);
   for (const double x : {-0.9, -0.5, 0.0, 0.3, 0.8}) {
     EXPECT_NEAR(floor_at(tracer, x * half_width, exact()) / whole, (1 - x) / 2, 1e-4) << x;
   }
@@ -87,9 +88,10 @@ TEST(ExactShadows, AFarDiskFadesAsItsSegments) {
   add_mesh(scene, rectangle({0, h, -1000}, {0, 0, 2000}, {1000, 0, 0}), matt(Rgb(0)));
   const RayTracer tracer(scene);
   const double half_width = r * h / (H - h);
-  const double whole = 0.5 * 4 * r * r * pi / (H * H);
+  const double whole = 0.5 * 4 * r * r / (H * H);
   int cases = 0;
-  for (const auto& c : reference("penumbra.json").at("cases")) {
+  const nlohmann::json penumbra = reference("penumbra.json");
+  for (const auto& c : penumbra.at("cases")) {
     if (!c.contains("x")) continue;
     ++cases;
     RenderOptions options = whitted(4096);
@@ -102,7 +104,8 @@ TEST(ExactShadows, AFarDiskFadesAsItsSegments) {
 
 // Parallel rectangles with a rectangle in between, known to 25 digits: the mean of what points of one see of the other.
 TEST(ExactShadows, MeansOverARectangleAreItsObstructedFormFactor) {
-  for (const auto& c : reference("radiosity/view_factors_obstructed.json").at("exact_semianalytic")) {
+  const nlohmann::json factors = reference("radiosity/view_factors_obstructed.json");
+  for (const auto& c : factors.at("exact_semianalytic")) {
     const auto number = [&](const nlohmann::json& v) {
       return v.is_string() ? std::stod(v.get<std::string>()) : v.get<double>();
     };
@@ -129,7 +132,8 @@ TEST(ExactShadows, MeansOverARectangleAreItsObstructedFormFactor) {
         sum += *factor / (n * n);
       }
     }
-    EXPECT_NEAR(sum, number(c.at("F_obstructed")), 1e-5) << c.at("name");
+    // The mean is taken by midpoints, which blur what changes within one of their cells.
+    EXPECT_NEAR(sum, number(c.at("F_obstructed")), height < 0.1 * gap ? 1e-4 : 1e-5) << c.at("name");
   }
 }
 
@@ -171,7 +175,7 @@ TEST(ExactShadows, GlossIsLeftToRays) {
   polished.roughness = 0.4F;
   scene.materials[0] = polished;
   const RayTracer tracer(scene);
-  for (const double x : {-0.6, 0.0, 0.4, 0.8}) {
+  for (const double x : {-0.8, 0.0, 0.4, 0.8}) {
     RenderOptions options = exact();
     options.samples_per_pixel = 4096;
     const Seen clipped = look(tracer, {x + 0.1, 0.1, 0.05}, {-0.1, -0.1, 0.02}, options);

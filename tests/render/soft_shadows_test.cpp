@@ -116,6 +116,8 @@ TEST(SoftShadows, ThreeTimesFewerRaysForTheSameNoise) {
   EXPECT_GT(reached, 0);
   const RenderResult lavish = uniform_at_the_cost_of(3 * sparing.rays.total(), tracer, stage.camera, options);
   EXPECT_LE(reached, rms(lavish.image, truth));
+  RecordProperty("rms_selective", std::to_string(reached));
+  RecordProperty("rms_even_at_three_times_the_rays", std::to_string(rms(lavish.image, truth)));
 }
 
 TEST(SoftShadowsSlow, AtEqualCostNeverNoisierThanEvenSampling) {

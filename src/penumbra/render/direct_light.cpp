@@ -13,6 +13,9 @@ namespace {
 constexpr std::size_t many_parts = 5;
 constexpr int candidates = 8;
 
+// Points of a lamp that is seen whole whose light is weighed without a ray.
+constexpr int unchecked_points = 8;
+
 }  // namespace
 
 DirectLight::DirectLight(const RayTracer& tracer, const RenderOptions& options)
@@ -44,36 +47,37 @@ Rgb DirectLight::reflected(const SurfacePoint& point, const Bsdf& bsdf, const Ve
   return sum;
 }
 
-// The mean of one ray or many. Where the first pass saw all of a flat lamp, what the lamp would bring to the matt part
-// of the surface unhindered is known, and the rays only say what is missing of it: a control variate, and no noise
-// where nothing is.
+// One ray, or the mean of many where a shadow may end. Where the first pass saw all of a lamp, one ray says what is
+// missing of the light that the lamp would bring unhindered: a control variate, and no noise from it where nothing is.
 Rgb DirectLight::by_rays(const Receiver& to, std::size_t light, int depth, PixelSampler& sampler,
                          RayCounts& rays) const {
-  const bool judged = !boundaries_.empty();
-  const bool boundary = judged && boundaries_.crosses(sampler.x(), sampler.y(), light, depth > 0);
-  const bool has_body = lights_.light(light).kind != LightSampler::Kind::punctual;
-  const int count = has_body && (everywhere_ || boundary) ? most_rays_ : 1;
-  Matt known;
-  if (judged && boundaries_.is_free(sampler.x(), sampler.y(), light, depth > 0)) known = open_light(to, light);
-
-  Rgb sum(0);
   const auto send = [&](PixelSampler& numbers) {
     const Candidate c = from_light(to, light, numbers);
-    sum -= known.factor * c.irradiance;
-    if (is_black(c.radiance)) return;
+    if (is_black(c.radiance)) return Shaded{};
     penumbra::count(rays, RayPurpose::shadow, depth);
-    sum += c.radiance * shadow_.transmittance(c.shadow_ray);
+    return Shaded{c.radiance, shadow_.transmittance(c.shadow_ray)};
   };
-  if (count == 1) {
-    send(sampler);
-    return known.reflected + sum;
+  const bool judged = !boundaries_.empty();
+  const bool boundary = judged && boundaries_.crosses(sampler.x(), sampler.y(), light, depth > 0);
+  if (most_rays_ > 1 && has_body(light) && (everywhere_ || boundary)) {
+    const PixelSampler::Draws draws = sampler.next_draws(static_cast<std::uint32_t>(most_rays_));
+    Rgb sum(0);
+    for (int i = 0; i < most_rays_; ++i) {
+      PixelSampler numbers = draws(static_cast<std::uint32_t>(i));
+      const Shaded s = send(numbers);
+      sum += s.open * s.passed;
+    }
+    return sum / static_cast<float>(most_rays_);
   }
-  const PixelSampler::Draws draws = sampler.next_draws(static_cast<std::uint32_t>(count));
-  for (int i = 0; i < count; ++i) {
-    PixelSampler numbers = draws(static_cast<std::uint32_t>(i));
-    send(numbers);
+  const Shaded s = send(sampler);
+  if (!judged || !has_body(light) || !boundaries_.is_free(sampler.x(), sampler.y(), light, depth > 0)) {
+    return s.open * s.passed;
   }
-  return known.reflected + sum / static_cast<float>(count);
+  return open_light(to, light, sampler) - s.open * (Rgb(1) - s.passed);
+}
+
+bool DirectLight::has_body(std::size_t light) const {
+  return lights_.light(light).kind != LightSampler::Kind::punctual;
 }
 
 namespace {
@@ -85,14 +89,20 @@ PolygonShadows::Receiver for_polygons(const SurfacePoint& point, const Vec3d& wo
 
 }  // namespace
 
-// What a flat lamp brings to the matt part of a surface with nothing in between. Under a layer a matt base reflects a
-// little less of slanting light: its mean share is taken here, rays find the rest.
-DirectLight::Matt DirectLight::open_light(const Receiver& to, std::size_t light) const {
-  if (!flat_lamps_ || !flat_lamps_->has(light)) return {};
-  const Rgb factor = to.bsdf.diffuse_albedo(to.wo) * std::numbers::inv_pi_v<float>;
-  if (is_black(factor)) return {};
-  const double form = flat_lamps_->open_factor(light, for_polygons(to.point, to.wo, to.facing));
-  return {factor * flat_lamps_->radiance(light) * static_cast<float>(std::numbers::pi * form), factor};
+// What a light would bring with nothing in between: known of flat lamps on Lambertian surfaces, else by several points
+// of it that need no rays.
+Rgb DirectLight::open_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const {
+  if (flat_lamps_ && flat_lamps_->has(light) && to.bsdf.is_lambertian()) {
+    const double form = flat_lamps_->open_factor(light, for_polygons(to.point, to.wo, to.facing));
+    return to.bsdf.diffuse_albedo(to.wo) * flat_lamps_->radiance(light) * static_cast<float>(form);
+  }
+  const PixelSampler::Draws draws = sampler.next_draws(unchecked_points);
+  Rgb sum(0);
+  for (int i = 0; i < unchecked_points; ++i) {
+    PixelSampler numbers = draws(static_cast<std::uint32_t>(i));
+    sum += from_light(to, light, numbers).radiance;
+  }
+  return sum / static_cast<float>(unchecked_points);
 }
 
 // The lamp clipped by what stands before it. Gloss on top is left to rays: they bring what the matt part does not.
@@ -101,11 +111,10 @@ std::optional<Rgb> DirectLight::exactly(const Receiver& to, std::size_t light, i
   if (!exact_ || !flat_lamps_->has(light)) return std::nullopt;
   const auto form = flat_lamps_->visible_factor(light, for_polygons(to.point, to.wo, to.facing));
   if (!form) return std::nullopt;
-  const Rgb factor = to.bsdf.diffuse_albedo(to.wo) * std::numbers::inv_pi_v<float>;
-  const Rgb matt = factor * flat_lamps_->radiance(light) * static_cast<float>(std::numbers::pi * *form);
+  const Rgb matt = to.bsdf.diffuse_albedo(to.wo) * flat_lamps_->radiance(light) * static_cast<float>(*form);
   if (to.bsdf.is_lambertian()) return matt;
   const Candidate c = from_light(to, light, sampler);
-  const Rgb gloss = c.radiance - factor * c.irradiance;
+  const Rgb gloss = c.radiance - to.bsdf.diffuse_albedo(to.wo) * std::numbers::inv_pi_v<float> * c.irradiance;
   if (is_black(gloss)) return matt;
   penumbra::count(rays, RayPurpose::shadow, depth);
   return matt + gloss * shadow_.transmittance(c.shadow_ray);

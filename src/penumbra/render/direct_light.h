@@ -66,10 +66,10 @@ class DirectLight {
     Rgb radiance{0};
     Rgb irradiance{0};  // estimate of the light's, on the facing side; of lamps that are met by one choice
   };
-  // The part of a surface's light from a lamp that is known without rays: `factor` times irradiance.
-  struct Matt {
-    Rgb reflected{0};  // radiance, whole
-    Rgb factor{0};     // 1/sr
+  // What a ray to a light would bring, and how much of that passes.
+  struct Shaded {
+    Rgb open{0};
+    Rgb passed{0};
   };
 
   [[nodiscard]] Receiver receiver(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
@@ -78,7 +78,8 @@ class DirectLight {
                             RayCounts& rays) const;
   [[nodiscard]] std::optional<Rgb> exactly(const Receiver& to, std::size_t light, int depth, PixelSampler& sampler,
                                            RayCounts& rays) const;
-  [[nodiscard]] Matt open_light(const Receiver& to, std::size_t light) const;
+  [[nodiscard]] Rgb open_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const;
+  [[nodiscard]] bool has_body(std::size_t light) const;
 
   [[nodiscard]] Candidate unhindered(const Receiver& to, const LightSample& light) const;
   [[nodiscard]] Candidate from_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const;
