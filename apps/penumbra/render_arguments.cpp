@@ -113,8 +113,7 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
                "share of the light, 0 to 1: whitted and two-pass end a ray that weighs less, path starts Russian "
                "roulette there (default: 0.001)",
                [&](const OptionValue& v) { given.min_throughput = throughput(v); });
-  parser.flag("--opaque-shadows", "glass stops shadow rays, for appel and whitted (default: it attenuates them)",
-              options.opaque_shadows);
+  add_shadow_options(parser, arguments.shadows);
   parser.value(
       "--final-gather", "N",
       "two-pass: gather indirect light by N rays a sample, for crisp contact shadows (default: 0, interpolated "
@@ -164,12 +163,9 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
     throw UsageError(
         fmt::format("{} does not apply to --integrator {}, {}; leave it away", option, integrator, reason));
   };
-  if (radiosity && options.opaque_shadows) refuse("--opaque-shadows", "which shows light that was computed before");
   if (radiosity && given.max_depth) refuse("--max-depth", "which shows light that was computed before");
   if (radiosity && given.min_throughput) refuse("--min-throughput", "which shows light that was computed before");
   if (!two_pass && given.final_gather) refuse("--final-gather", "which gathers no light from a solution");
-  if (two_pass && options.opaque_shadows) refuse("--opaque-shadows", "where light through glass is in the solution");
-  if (path && options.opaque_shadows) refuse("--opaque-shadows", "which finds the light through glass by itself");
   if (appel && given.max_depth) refuse("--max-depth", "which follows no reflection or refraction");
   if (appel && given.min_throughput) refuse("--min-throughput", "which follows no reflection or refraction");
   options.final_gather = given.final_gather.value_or(0);
@@ -221,6 +217,7 @@ std::optional<RenderArguments> parse_render_arguments(const std::vector<std::str
   result.render.width = result.size.width;
   result.render.height = result.size.height;
   apply(given, result.integrator, result.render);
+  apply(result.shadows, result.integrator, result.render);
   result.render.seed = result.common.seed;
   result.render.front_sides_only = result.scene.front_sides_only;
   check_all(result);

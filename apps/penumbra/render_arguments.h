@@ -11,6 +11,7 @@
 #include "picture_size.h"
 #include "radiosity_options.h"
 #include "scene_options.h"
+#include "shadow_options.h"
 
 namespace penumbra::cli {
 
@@ -21,6 +22,7 @@ struct RenderArguments {
   PictureFile picture;
   PictureSize size;
   RenderOptions render;
+  ShadowOptions shadows;
   CommonOptions common;
   std::string integrator = "whitted";   ///< as the user named it
   RadiosityOptions radiosity;           ///< of --integrator radiosity and two-pass

@@ -9,6 +9,7 @@
 #include "penumbra/render/light_points.h"
 #include "penumbra/render/packet_shading.h"
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/render/shadow_scout.h"
 
 namespace penumbra {
 namespace {
@@ -32,18 +33,24 @@ class Appel final : public Integrator {
       : tracer_(tracer),
         camera_(camera),
         seed_(options.seed),
-        direct_(tracer, !options.opaque_shadows, options.samples_per_pixel == 1),
+        direct_(tracer, options),
         front_sides_only_(options.front_sides_only) {
     const Scene& scene = tracer.scene();
     for (const Material& m : scene.materials) plain_.push_back(is_plain(m) ? 1 : 0);
     for (const Instance& i : scene.instances) placed_as_is_.push_back(i.to_world == Mat4d(1.0) ? 1 : 0);
+    if (direct_.is_selective()) {
+      const SpecularTree tree(tracer, options.front_sides_only);
+      direct_.send_more_at(scout_shadows(direct_, tree, camera, options, first_pass_));
+    }
     if (auto lights = packet_lights(scene, direct_.lights(), options.samples_per_pixel == 1);
-        lights && direct_.is_binary()) {
+        lights && direct_.is_binary() && direct_.sends_one_ray_each()) {
       lights_ = std::move(*lights);
       packets_ = camera.is_pinhole();
       raster_ = {Vec3f(camera.eye()), Vec3f(camera.corner()), Vec3f(camera.step_x()), Vec3f(camera.step_y())};
     }
   }
+
+  [[nodiscard]] RayCounts first_pass() const override { return first_pass_; }
 
   void render(const PixelBlock& block, Film& film, RayCounts& rays) const override {
     for (int sample = block.first_sample; sample < block.last_sample; ++sample) {
@@ -69,6 +76,7 @@ class Appel final : public Integrator {
   CameraRays camera_;
   std::uint64_t seed_;
   DirectLight direct_;
+  RayCounts first_pass_;
   bool front_sides_only_;
   std::vector<char> plain_;         // by material
   std::vector<char> placed_as_is_;  // by instance: its transform is the identity

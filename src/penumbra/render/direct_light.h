@@ -2,8 +2,10 @@
 
 #include <optional>
 
+#include "penumbra/radiosity/meshing/polygon_shadows.h"
 #include "penumbra/render/pixel_sampler.h"
 #include "penumbra/render/render.h"
+#include "penumbra/render/shadow_boundaries.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/light_sampling.h"
 #include "penumbra/tracing/shading/shadow.h"
@@ -11,17 +13,27 @@
 namespace penumbra {
 
 /// Light that reaches a surface straight from every light of the scene: Appel's and Whitted's shadow rays ('shadow
-/// feelers').
+/// feelers'), one to each light, many where its shadow may end, or none where the lamp is clipped exactly.
 class DirectLight {
  public:
   /// @param through_glass whether transparent surfaces let shadow rays pass, see Shadow.
   /// @param at_middles whether lights are met at their middle where they have one: sharp shadows without noise.
   DirectLight(const RayTracer& tracer, bool through_glass, bool at_middles)
       : lights_(tracer.scene()), shadow_(tracer, through_glass), at_middles_(at_middles) {}
+  /// As an integrator's options have it. With one sample a pixel lights are met at their middles, unless soft shadows
+  /// are asked for.
+  DirectLight(const RayTracer& tracer, const RenderOptions& options);
 
-  /// Radiance that the surface sends towards `wo`: one shadow ray to each light. Lights with a body are met at a random
-  /// point of theirs, so that several samples a pixel make soft shadows; of lights with many parts the point is chosen
-  /// among several by what it would bring unhindered. Lobes of roughness up to `roughness_limit` are left out.
+  /// More rays where shadows end, see RenderOptions::shadow_samples.
+  void send_more_at(ShadowBoundaries boundaries) { boundaries_ = std::move(boundaries); }
+  /// Whether one shadow ray to each light is all that is sent.
+  [[nodiscard]] bool sends_one_ray_each() const { return most_rays_ == 1 && !exact_; }
+  /// Whether boundaries are of use.
+  [[nodiscard]] bool is_selective() const { return most_rays_ > 1 && !everywhere_; }
+
+  /// Radiance that the surface sends towards `wo`: shadow rays to each light. Lights with a body are met at random
+  /// points of theirs; of lights with many parts each point is chosen among several by what it would bring unhindered.
+  /// Lobes of roughness up to `roughness_limit` are left out.
   [[nodiscard]] Rgb reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
                               int depth, PixelSampler& sampler, RayCounts& rays) const;
 
@@ -29,8 +41,9 @@ class DirectLight {
   struct Meeting {
     Ray shadow_ray;
     Rgb radiance{0};  ///< that the surface sends towards `wo` because of it; 0 when something stands in the way
+    Rgb passed{0};    ///< the share that nothing held up, 0..1
   };
-  /// The same for one light; none when it cannot light the surface at all.
+  /// One ray to one light; none when it cannot light the surface at all.
   [[nodiscard]] std::optional<Meeting> meet(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
                                             double roughness_limit, std::size_t light, PixelSampler& sampler) const;
 
@@ -51,7 +64,22 @@ class DirectLight {
   struct Candidate {
     Ray shadow_ray;
     Rgb radiance{0};
+    Rgb irradiance{0};  // estimate of the light's, on the facing side; of lamps that are met by one choice
   };
+  // What a ray to a light would bring, and how much of that passes.
+  struct Shaded {
+    Rgb open{0};
+    Rgb passed{0};
+  };
+
+  [[nodiscard]] Receiver receiver(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
+                                  double roughness_limit) const;
+  [[nodiscard]] Rgb by_rays(const Receiver& to, std::size_t light, int depth, PixelSampler& sampler,
+                            RayCounts& rays) const;
+  [[nodiscard]] std::optional<Rgb> exactly(const Receiver& to, std::size_t light, int depth, PixelSampler& sampler,
+                                           RayCounts& rays) const;
+  [[nodiscard]] Rgb open_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const;
+  [[nodiscard]] bool has_body(std::size_t light) const;
 
   [[nodiscard]] Candidate unhindered(const Receiver& to, const LightSample& light) const;
   [[nodiscard]] Candidate from_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const;
@@ -61,6 +89,11 @@ class DirectLight {
   LightSampler lights_;
   Shadow shadow_;
   bool at_middles_;
+  int most_rays_ = 1;  // that a sample sends to a light
+  bool everywhere_ = false;
+  bool exact_ = false;
+  ShadowBoundaries boundaries_;
+  std::optional<PolygonShadows> flat_lamps_;
 };
 
 }  // namespace penumbra

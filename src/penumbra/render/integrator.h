@@ -22,6 +22,8 @@ class Integrator {
 
   /// Takes the block's samples, adds them to the film and counts the rays.
   virtual void render(const PixelBlock& block, Film& film, RayCounts& rays) const = 0;
+  /// Rays that were traced when it was made.
+  [[nodiscard]] virtual RayCounts first_pass() const { return {}; }
 };
 
 /// An integrator that follows one camera ray at a time.

@@ -14,10 +14,40 @@ class PixelSampler {
  public:
   PixelSampler(std::uint64_t seed, int x, int y, int sample)
       : key_(hash_key(seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y))),
-        sample_(static_cast<std::uint32_t>(sample)) {}
+        sample_(static_cast<std::uint32_t>(sample)),
+        x_(x),
+        y_(y) {}
 
   [[nodiscard]] double next_1d() { return owen_sobol_1d(sample_, next_key()); }
   [[nodiscard]] Vec2d next_2d() { return owen_sobol_2d(sample_, next_key()); }
+
+  /// The pixel.
+  [[nodiscard]] int x() const { return x_; }
+  [[nodiscard]] int y() const { return y_; }
+
+  /// Many draws of one kind in one sample, such as several points of a lamp: those of all samples of the pixel are one
+  /// sequence, as evenly spread as if each belonged to a sample of its own.
+  class Draws {
+   public:
+    /// Random numbers of the draw of this number. @pre number < the count that was asked for.
+    [[nodiscard]] PixelSampler operator()(std::uint32_t number) const {
+      PixelSampler draw = *owner_;
+      draw.key_ = key_;
+      draw.sample_ = owner_->sample_ * count_ + number;
+      draw.dimension_ = 0;
+      return draw;
+    }
+
+   private:
+    friend class PixelSampler;
+    Draws(const PixelSampler& owner, std::uint64_t key, std::uint32_t count)
+        : owner_(&owner), key_(key), count_(count) {}
+    const PixelSampler* owner_;
+    std::uint64_t key_;
+    std::uint32_t count_;
+  };
+  /// The sampler must outlive them.
+  [[nodiscard]] Draws next_draws(std::uint32_t count) { return {*this, mix_bits(next_key()), count}; }
 
  private:
   [[nodiscard]] std::uint64_t next_key() { return key_ + 0x9e3779b97f4a7c15ULL * ++dimension_; }
@@ -25,6 +55,7 @@ class PixelSampler {
   std::uint64_t key_;
   std::uint32_t sample_;
   std::uint64_t dimension_ = 0;
+  int x_, y_;
 };
 
 }  // namespace penumbra

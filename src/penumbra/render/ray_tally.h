@@ -37,4 +37,15 @@ inline void count(RayCounts& counts, RayPurpose purpose, int depth, std::uint64_
   counts.by_depth[level] += rays;
 }
 
+inline RayCounts& operator+=(RayCounts& sum, const RayCounts& more) {
+  sum.primary += more.primary;
+  sum.shadow += more.shadow;
+  sum.reflection += more.reflection;
+  sum.refraction += more.refraction;
+  sum.diffuse += more.diffuse;
+  sum.by_depth.resize(std::max(sum.by_depth.size(), more.by_depth.size()), 0);
+  for (std::size_t i = 0; i < more.by_depth.size(); ++i) sum.by_depth[i] += more.by_depth[i];
+  return sum;
+}
+
 }  // namespace penumbra

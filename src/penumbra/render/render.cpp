@@ -36,6 +36,7 @@ void check(const RenderOptions& o) {
   require(o.max_depth >= 0, "the depth must not be negative");
   require(o.min_throughput >= 0 && o.min_throughput <= 1, "the smallest throughput must lie in 0 to 1");
   require(o.noise >= 0 && o.noise < 1, "the noise target must lie in 0 to 1");
+  require(o.shadow_samples >= 0 && o.shadow_samples <= 1 << 16, "shadow rays to a lamp must be 0 to 65536");
   require(o.final_gather >= 0, "the rays that gather light must not be fewer than 0");
   require(o.time_limit >= 0, "the time limit must not be negative");
   if (o.region) {
@@ -108,15 +109,7 @@ class Job {
 
   [[nodiscard]] RayCounts total() const {
     RayCounts sum;
-    for (const RayCounts& c : counts_) {
-      sum.primary += c.primary;
-      sum.shadow += c.shadow;
-      sum.reflection += c.reflection;
-      sum.refraction += c.refraction;
-      sum.diffuse += c.diffuse;
-      sum.by_depth.resize(std::max(sum.by_depth.size(), c.by_depth.size()), 0);
-      for (std::size_t i = 0; i < c.by_depth.size(); ++i) sum.by_depth[i] += c.by_depth[i];
-    }
+    for (const RayCounts& c : counts_) sum += c;
     return sum;
   }
 
@@ -202,6 +195,7 @@ RenderResult draw(const Integrator& integrator, const RenderOptions& options, co
   RenderResult result;
   result.partial = !job.run();
   result.rays = job.total();
+  result.rays += integrator.first_pass();
   result.image = film.develop();
   const Region region = options.region.value_or(Region{0, 0, options.width, options.height});
   const double share = static_cast<double>(region.x1 - region.x0) * (region.y1 - region.y0) /

@@ -49,7 +49,14 @@ struct RenderOptions {
   std::optional<Region> region;   ///< none: everything
   bool opaque_shadows = false;    ///< glass stops shadow rays in appel and whitted
   bool front_sides_only = false;  ///< backs are black and opaque
-  int final_gather = 0;           ///< two-pass: rays a sample that gather indirect light; 0: interpolated
+  /// Of appel and whitted: shadow rays that a sample sends to a lamp where the lamp's shadows may end; one elsewhere.
+  /// Up to 1: one everywhere.
+  int shadow_samples = 0;
+  bool shadow_samples_everywhere = false;  ///< as many elsewhere, too: to compare with
+  /// Of appel and whitted: light from flat lamps on matt surfaces by clipping the lamp, without noise, where few
+  /// polygons stand in between.
+  bool exact_shadows = false;
+  int final_gather = 0;  ///< two-pass: rays a sample that gather indirect light; 0: interpolated
   std::uint64_t seed = 0;
   double time_limit = 0;  ///< s, 0: none; the samples done by then are the picture
   std::vector<Aov> aovs;

@@ -2,6 +2,7 @@
 #include "penumbra/render/first_surface.h"
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/render/shadow_scout.h"
 #include "penumbra/tracing/shading/specular_tree.h"
 
 namespace penumbra {
@@ -16,9 +17,13 @@ class Whitted final : public RayIntegrator {
   Whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
       : RayIntegrator(camera, options.seed),
         tree_(tracer, options.front_sides_only),
-        direct_(tracer, !options.opaque_shadows, options.samples_per_pixel == 1),
+        direct_(tracer, options),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
-        min_throughput_(static_cast<float>(options.min_throughput)) {}
+        min_throughput_(static_cast<float>(options.min_throughput)) {
+    if (direct_.is_selective()) direct_.send_more_at(scout_shadows(direct_, tree_, camera, options, first_pass_));
+  }
+
+  [[nodiscard]] RayCounts first_pass() const override { return first_pass_; }
 
   [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override {
     PixelEstimate seen;
@@ -73,6 +78,7 @@ class Whitted final : public RayIntegrator {
 
   SpecularTree tree_;
   DirectLight direct_;
+  RayCounts first_pass_;
   int max_depth_;
   float min_throughput_;
 };

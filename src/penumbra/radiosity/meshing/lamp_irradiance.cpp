@@ -7,6 +7,7 @@
 #include "penumbra/math/sampling.h"
 #include "penumbra/math/sobol.h"
 #include "penumbra/radiosity/form_factors/nusselt.h"
+#include "penumbra/radiosity/meshing/shadow_pyramid.h"
 
 namespace penumbra {
 namespace {
@@ -58,34 +59,7 @@ bool is_beyond(const Plane3& plane, std::span<const Vec3d> polygon, double toler
 /// Whether a box lies outside another, or outside one of the half-spaces.
 bool misses(const Bounds& own, const Bounds& box, std::span<const Plane3> half_spaces, double tolerance) {
   if (glm::any(glm::lessThan(own.upper, box.lower)) || glm::any(glm::greaterThan(own.lower, box.upper))) return true;
-  return std::any_of(half_spaces.begin(), half_spaces.end(), [&](const Plane3& s) {
-    const Vec3d farthest(s.normal.x > 0 ? own.upper.x : own.lower.x, s.normal.y > 0 ? own.upper.y : own.lower.y,
-                         s.normal.z > 0 ? own.upper.z : own.lower.z);
-    return s.distance(farthest) <= tolerance;
-  });
-}
-
-/// Cuts the pyramid over `blocker` seen from `point` out of the pieces.
-void cut_shadow(const Vec3d& point, std::span<const Vec3d> blocker, std::vector<std::vector<Vec3d>>& pieces) {
-  const Vec3d plane = newell_vector(blocker);
-  const double side = dot(plane, blocker[0] - point);
-  if (std::abs(side) <= 1e-12 * length(plane) * polygon_size(blocker)) return;  // seen from the edge
-  const double turn = side > 0 ? 1 : -1;
-  std::vector<std::vector<Vec3d>> left;
-  std::vector<Vec3d> outside, inside;
-  for (std::vector<Vec3d>& rest : pieces) {
-    for (std::size_t k = 0; k < blocker.size() && rest.size() >= 3; ++k) {
-      const Vec3d inward = turn * cross(blocker[k] - point, blocker[(k + 1) % blocker.size()] - point);
-      const double size = length(inward);
-      if (!(size > 0)) continue;
-      const Plane3 inner{inward / size, dot(inward, point) / size};
-      clip_polygon(rest, {-inner.normal, -inner.offset}, 0, outside);
-      if (outside.size() >= 3) left.push_back(outside);
-      clip_polygon(rest, inner, 0, inside);
-      std::swap(rest, inside);
-    }
-  }
-  pieces.swap(left);
+  return is_outside(own, half_spaces, tolerance);
 }
 
 }  // namespace

@@ -76,6 +76,8 @@ class Bsdf {
   [[nodiscard]] Bsdf without_base() const;
   /// Unit; the |cos| of f |cos| is taken about it.
   [[nodiscard]] const Vec3d& shading_normal() const { return frame_.normal; }
+  /// Whether all lobes with spread are one Lambertian base, whose f is the same for all pairs of directions.
+  [[nodiscard]] bool is_lambertian() const { return !has_specular_ || (material_.specular == 0 && ideal_); }
   /// Whether any lobe has spread, so that shadow rays can bring light.
   [[nodiscard]] bool has_spread() const;
 
