@@ -105,33 +105,33 @@ void describe(const RenderArguments& arguments, const Camera& camera, const Rend
 Report report_on(const RenderArguments& arguments, const RenderResult& result, const RayTracer& tracer,
                  const Seconds& seconds) {
   const RayCounts& rays = result.rays;
-  return {
-      {"command", "render"},
-      {"version", PENUMBRA_VERSION},
-      {"scene", arguments.scene.source},
-      {"output", arguments.picture.path},
-      {"integrator", arguments.integrator},
-      {"seed", arguments.render.seed},
-      {"seconds",
-       {{"load", seconds.load},
-        {"build", seconds.build},
-        {"solve", seconds.solve},
-        {"render", seconds.render},
-        {"write", seconds.write}}},
-      {"rays",
-       {{"primary", rays.primary},
-        {"shadow", rays.shadow},
-        {"reflection", rays.reflection},
-        {"refraction", rays.refraction},
-        {"diffuse", rays.diffuse},
-        {"total", rays.total()}}},
-      {"rays_by_depth", rays.by_depth},
-      {"rays_per_second", rays_per_second(result)},
-      {"triangles", tracer.triangle_count()},
-      {"threads", thread_count()},
-      {"peak_rss_bytes", peak_memory()},
-      {"image", {{"width", result.image.width}, {"height", result.image.height}, {"spp_mean", result.mean_samples}}},
-      {"partial", result.partial}};
+  return {{"command", "render"},
+          {"version", PENUMBRA_VERSION},
+          {"scene", arguments.scene.source},
+          {"output", arguments.picture.path},
+          {"integrator", arguments.integrator},
+          {"seed", arguments.render.seed},
+          {"seconds",
+           {{"load", seconds.load},
+            {"build", seconds.build},
+            {"solve", seconds.solve},
+            {"render", seconds.render},
+            {"write", seconds.write}}},
+          {"rays",
+           {{"primary", rays.primary},
+            {"shadow", rays.shadow},
+            {"reflection", rays.reflection},
+            {"refraction", rays.refraction},
+            {"diffuse", rays.diffuse},
+            {"total", rays.total()}}},
+          {"rays_by_depth", rays.by_depth},
+          {"rays_per_second", rays_per_second(result)},
+          {"triangles", tracer.triangle_count()},
+          {"threads", thread_count()},
+          {"peak_rss_bytes", peak_memory()},
+          {"image",
+           {{"width", arguments.render.width}, {"height", arguments.render.height}, {"spp_mean", result.mean_samples}}},
+          {"partial", result.partial}};
 }
 
 void say_result(const RenderArguments& arguments, const RenderResult& result, Console& console) {
@@ -140,7 +140,7 @@ void say_result(const RenderArguments& arguments, const RenderResult& result, Co
                                result.mean_samples, arguments.render.samples_per_pixel));
   }
   console.say(fmt::format("{}: {}x{}, {:.4g} samples a pixel ({}), {:.2f} s, {:.2f} Mrays/s", arguments.picture.path,
-                          result.image.width, result.image.height, result.mean_samples, arguments.integrator,
+                          arguments.render.width, arguments.render.height, result.mean_samples, arguments.integrator,
                           result.seconds, rays_per_second(result) / 1e6));
 }
 
@@ -171,7 +171,7 @@ int render_picture(const RenderArguments& arguments) {
 
   const Stopwatch write_watch;
   describe(arguments, camera, result, result.image);
-  write_picture(arguments.picture, result.image);
+  write_picture(arguments.picture, std::move(result.image));
   seconds.write = write_watch.seconds();
 
   say_result(arguments, result, console);

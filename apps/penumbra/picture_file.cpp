@@ -64,13 +64,13 @@ void check(const PictureFile& picture) {
 void write_picture(const PictureFile& picture, Image image) {
   const double exposure = picture.exposure.value_or(0);
   const ToneCurve curve = picture.curve.value_or(is_scene_linear(picture) ? ToneCurve::none : ToneCurve::srgb);
-  if (exposure != 0 || curve != ToneCurve::none) {
+  if (exposure != 0 || curve == ToneCurve::filmic) {
     auto metadata = std::move(image.metadata);
     image = tonemapped(image, exposure, curve);
     image.metadata = std::move(metadata);
-    image.metadata["exposure_ev"] = fmt::format("{}", exposure);
     if (curve == ToneCurve::filmic) image.metadata["tonemap"] = "filmic";
   }
+  if (curve != ToneCurve::none || exposure != 0) image.metadata["exposure_ev"] = fmt::format("{}", exposure);
   write_image(picture.path, image);
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "penumbra/image/image.h"
@@ -21,14 +24,21 @@ struct PixelEstimate {
   float rays = 0;     ///< traced for this sample
 };
 
-/// Sums of samples, pixel by pixel. Different pixels may be written at once.
+/// The channels of a picture with these layers: "R", "G", "B", then "layer.C".
+[[nodiscard]] std::vector<std::string> picture_channels(std::span<const Aov> aovs);
+
+/// Sums of samples, pixel by pixel. Different pixels may be written at once. A film covers a picture or a part of it;
+/// pixels are always those of the picture.
 ///
 /// Colour, albedo, normal and rays are means over the samples; position, depth and object are those of the first
 /// sample, since their means mean nothing. Variance is that of the pixel's mean.
 class Film {
  public:
   /// @param measures_noise whether squared_error() will be asked for.
-  Film(int width, int height, std::vector<Aov> aovs, bool measures_noise = false);
+  Film(int width, int height, std::vector<Aov> aovs, bool measures_noise = false)
+      : Film(Region{0, 0, width, height}, std::move(aovs), measures_noise) {}
+  /// The same for a part of the picture.
+  Film(const Region& area, std::vector<Aov> aovs, bool measures_noise = false);
 
   /// Whether more than colour is to be recorded.
   [[nodiscard]] bool has_layers() const { return !aovs_.empty(); }
@@ -62,9 +72,14 @@ class Film {
   }
 
   [[nodiscard]] double mean_samples() const;
+  /// Samples of all pixels together.
+  [[nodiscard]] std::uint64_t sample_count() const;
 
   /// The picture so far; pixels without a sample are black.
   [[nodiscard]] Image develop() const;
+  /// Writes the film's area into the picture that it is a part of. @pre `picture` has the channels of the film's
+  /// layers, see `picture_channels`.
+  void develop_into(Image& picture) const { develop_into(picture, 0, 0); }
 
  private:
   struct Pixel {
@@ -79,13 +94,15 @@ class Film {
   };
 
   [[nodiscard]] std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    return static_cast<std::size_t>(y - area_.y0) * width_ + static_cast<std::size_t>(x - area_.x0);
   }
+  void develop_into(Image& picture, int left, int top) const;
+  void develop_pixel(std::size_t pixel, float* out) const;
   void add_layers(int x, int y, const PixelEstimate& estimate, const Vec3d& weighted);
 
-  int width_, height_;
+  Region area_;
   std::vector<Aov> aovs_;
-  std::size_t size_;
+  std::size_t width_, size_;
   std::unique_ptr<Pixel[]> pixels_;  // cleared on every thread: large pictures are mostly fresh pages
   std::vector<Layers> layers_;
   std::vector<double> squares_;  // of the samples' luminance

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "penumbra/render/camera_rays.h"
 #include "penumbra/render/film.h"
@@ -22,6 +23,10 @@ class Integrator {
 
   /// Takes the block's samples, adds them to the film and counts the rays.
   virtual void render(const PixelBlock& block, Film& film, RayCounts& rays) const = 0;
+  /// The same for the blocks of a tile, which some integrators trace together.
+  virtual void render(std::span<const PixelBlock> blocks, Film& film, RayCounts& rays) const {
+    for (const PixelBlock& block : blocks) render(block, film, rays);
+  }
   /// Rays that were traced when it was made.
   [[nodiscard]] virtual RayCounts first_pass() const { return {}; }
 };
@@ -31,7 +36,8 @@ class RayIntegrator : public Integrator {
  public:
   RayIntegrator(const CameraRays& camera, std::uint64_t seed) : camera_(camera), seed_(seed) {}
 
-  void render(const PixelBlock& block, Film& film, RayCounts& rays) const final;
+  using Integrator::render;
+  void render(const PixelBlock& block, Film& film, RayCounts& rays) const override;
 
   /// What one camera ray sees.
   [[nodiscard]] virtual PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const = 0;

@@ -22,6 +22,9 @@ constexpr int n = RayPacket::size;
 constexpr auto rounding = static_cast<float>(float_error);
 constexpr float end_margin = 1 - 4 * 0x1p-24F;
 
+// Both values are known already: a choice without a branch.
+inline float pick(bool first, float a, float b) { return first ? a : b; }
+
 }  // namespace
 
 PENUMBRA_CLONES void aim_camera(const RasterDirections& camera, const Lanes& x, const Lanes& y,
@@ -87,6 +90,106 @@ PENUMBRA_CLONES void shade_points(const RayPacket& rays, const HitTriangles& hit
   }
 }
 
+PENUMBRA_CLONES void shade_shapes(const RayPacket& rays, const HitShapes& hits, PointLanes& __restrict points) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float dx = rays.direction_x[i], dy = rays.direction_y[i], dz = rays.direction_z[i];
+    const float t = hits.t[i], r = hits.radius[i], flat = hits.flat[i], round = 1 - hits.flat[i];
+    const float cx = hits.centre.x[i], cy = hits.centre.y[i], cz = hits.centre.z[i];
+    // From the centre, or from the plane's point.
+    const float ox = rays.origin_x[i] + t * dx - cx, oy = rays.origin_y[i] + t * dy - cy,
+                oz = rays.origin_z[i] + t * dz - cz;
+    const float scale = round / std::sqrt(std::max(ox * ox + oy * oy + oz * oz, 1e-37F));
+    const float mx = flat * hits.normal.x[i] + scale * ox, my = flat * hits.normal.y[i] + scale * oy,
+                mz = flat * hits.normal.z[i] + scale * oz;
+    // Moved onto the shape.
+    const float off = ox * mx + oy * my + oz * mz;
+    const float px = cx + flat * (ox - off * mx) + r * mx, py = cy + flat * (oy - off * my) + r * my,
+                pz = cz + flat * (oz - off * mz) + r * mz;
+    const float towards = mx * dx + my * dy + mz * dz;
+    const float side = towards < 0 ? 1.0F : -1.0F;
+    const float reach = std::max(std::max(std::abs(px), std::abs(py)), std::abs(pz)) + r;
+    points.position.x[i] = px;
+    points.position.y[i] = py;
+    points.position.z[i] = pz;
+    points.normal.x[i] = points.geometric.x[i] = side * mx;
+    points.normal.y[i] = points.geometric.y[i] = side * my;
+    points.normal.z[i] = points.geometric.z[i] = side * mz;
+    points.error[i] = rounding * reach * (std::abs(mx) + std::abs(my) + std::abs(mz));
+    points.front[i] = towards < 0 ? 1.0F : 0.0F;
+    points.facing[i] = std::abs(towards);
+  }
+}
+
+PENUMBRA_CLONES void choose_points(const Lanes& from_others, const PointLanes& others, PointLanes& __restrict points) {
+  const auto choose = [&](const Lanes& other, Lanes& own) {
+    for (std::size_t i = 0; i < n; ++i) own[i] = pick(from_others[i] != 0, other[i], own[i]);
+  };
+  choose(others.position.x, points.position.x);
+  choose(others.position.y, points.position.y);
+  choose(others.position.z, points.position.z);
+  choose(others.geometric.x, points.geometric.x);
+  choose(others.geometric.y, points.geometric.y);
+  choose(others.geometric.z, points.geometric.z);
+  choose(others.normal.x, points.normal.x);
+  choose(others.normal.y, points.normal.y);
+  choose(others.normal.z, points.normal.z);
+  choose(others.error, points.error);
+  choose(others.front, points.front);
+  choose(others.facing, points.facing);
+}
+
+PENUMBRA_CLONES void reflect_rays(const RayPacket& rays, const PointLanes& points, BounceLanes& __restrict reflected) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float nx = points.normal.x[i], ny = points.normal.y[i], nz = points.normal.z[i];
+    const float gx = points.geometric.x[i], gy = points.geometric.y[i], gz = points.geometric.z[i];
+    const float twice = 2 * points.facing[i];
+    const float x = rays.direction_x[i] + twice * nx;
+    const float y = rays.direction_y[i] + twice * ny;
+    const float z = rays.direction_z[i] + twice * nz;
+    const float scale = 1 / std::sqrt(std::max(x * x + y * y + z * z, 1e-37F));
+    reflected.origin.x[i] = points.position.x[i] + points.error[i] * gx;
+    reflected.origin.y[i] = points.position.y[i] + points.error[i] * gy;
+    reflected.origin.z[i] = points.position.z[i] + points.error[i] * gz;
+    reflected.direction.x[i] = x * scale;
+    reflected.direction.y[i] = y * scale;
+    reflected.direction.z[i] = z * scale;
+    const bool goes = (x * gx + y * gy + z * gz > 0) & (points.facing[i] > 0);
+    reflected.chance[i] = goes ? 1.0F : 0.0F;
+  }
+}
+
+PENUMBRA_CLONES void split_rays(const RayPacket& rays, const PointLanes& points, const Lanes& ior,
+                                BounceLanes& __restrict reflected, BounceLanes& __restrict refracted) {
+  reflect_rays(rays, points, reflected);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float nx = points.normal.x[i], ny = points.normal.y[i], nz = points.normal.z[i];
+    const float gx = points.geometric.x[i], gy = points.geometric.y[i], gz = points.geometric.z[i];
+    const float cosine = std::min(points.facing[i], 1.0F);
+    const float eta = points.front[i] != 0 ? ior[i] : 1 / ior[i];
+    const float below = eta * eta - 1 + cosine * cosine;  // (eta cos of refraction)^2
+    const float root = std::sqrt(std::max(below, 0.0F));
+    const float s = (cosine - root) / (cosine + root);
+    const float p = (eta * eta * cosine - root) / (eta * eta * cosine + root);
+    const bool total = !(below > 0);
+    const float fresnel = total ? 1.0F : 0.5F * (s * s + p * p);
+    const float inverse = 1 / eta;
+    const float along = (cosine - root) * inverse;
+    const float x = rays.direction_x[i] * inverse + along * nx;
+    const float y = rays.direction_y[i] * inverse + along * ny;
+    const float z = rays.direction_z[i] * inverse + along * nz;
+    const float scale = 1 / std::sqrt(std::max(x * x + y * y + z * z, 1e-37F));
+    refracted.origin.x[i] = points.position.x[i] - points.error[i] * gx;
+    refracted.origin.y[i] = points.position.y[i] - points.error[i] * gy;
+    refracted.origin.z[i] = points.position.z[i] - points.error[i] * gz;
+    refracted.direction.x[i] = x * scale;
+    refracted.direction.y[i] = y * scale;
+    refracted.direction.z[i] = z * scale;
+    const bool goes = !total & (x * gx + y * gy + z * gz < 0) & (points.facing[i] > 0);
+    refracted.chance[i] = goes ? 1 - fresnel : 0.0F;
+    reflected.chance[i] *= fresnel;
+  }
+}
+
 PENUMBRA_CLONES void aim_at_area(const PointLanes& points, const LightLanes& light, const std::int32_t* lit_lanes,
                                  RayPacket& __restrict shadow, Lanes& __restrict geometry) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -132,6 +235,7 @@ PENUMBRA_CLONES void aim_at_point(const PointLanes& points, const LightLanes& li
   const float falls = !far && inverse_square ? 1.0F : 0.0F;
   const float constant = far ? 1.0F : std::numbers::pi_v<float>;
   const float inverse_range = range > 0 ? 1 / range : 0.0F;
+  const float farthest = far ? std::numeric_limits<float>::infinity() : 0.0F;
   for (std::size_t i = 0; i < n; ++i) {
     const float ox = points.position.x[i] + points.error[i] * points.geometric.x[i];
     const float oy = points.position.y[i] + points.error[i] * points.geometric.y[i];
@@ -146,7 +250,7 @@ PENUMBRA_CLONES void aim_at_point(const PointLanes& points, const LightLanes& li
     const float above = dx * points.geometric.x[i] + dy * points.geometric.y[i] + dz * points.geometric.z[i];
     const float q = r2 * inverse_range * inverse_range;
     const float window = std::max(0.0F, 1 - q * q);
-    const float strength = falls != 0 ? window / r2 : constant;
+    const float strength = falls * (window / r2) + (1 - falls) * constant;
     const bool reaches = (lit_lanes[i] != 0) & (cos_surface > 0) & (above > 0) & (strength > 0);
     geometry[i] = reaches ? cos_surface * strength : 0.0F;
     shadow.origin_x[i] = ox;
@@ -156,7 +260,7 @@ PENUMBRA_CLONES void aim_at_point(const PointLanes& points, const LightLanes& li
     shadow.direction_y[i] = dy;
     shadow.direction_z[i] = dz;
     shadow.t_min[i] = 0;
-    shadow.t_max[i] = far ? std::numeric_limits<float>::infinity() : r2 * inverse * end_margin;
+    shadow.t_max[i] = std::max(r2 * inverse * end_margin, farthest);
     shadow.active[i] = reaches ? -1 : 0;
   }
 }

@@ -30,6 +30,16 @@ struct alignas(64) HitTriangles {
   Lanes mirror;  ///< -1 where the instance mirrors, else 1
 };
 
+/// The spheres and planes that a packet's rays hit.
+struct alignas(64) HitShapes {
+  VectorLanes centre;  ///< of a sphere; a point of a plane
+  VectorLanes normal;  ///< of a plane; finite in all lanes that count
+  Lanes radius;        ///< 0 of a plane
+  Lanes flat;          ///< 1 where it is a plane, 0 where a sphere
+  Lanes t;
+  Lanes met{};  ///< 1 in lanes that hit a shape, else 0
+};
+
 /// Surface points of a packet, as shading needs them.
 struct alignas(64) PointLanes {
   VectorLanes position;
@@ -58,6 +68,25 @@ void aim_camera(const RasterDirections& camera, const Lanes& x, const Lanes& y, 
 
 /// Works out points and normals from triangles hit. @param rays where the rays came from.
 void shade_points(const RayPacket& rays, const HitTriangles& hits, PointLanes& points);
+
+/// The same from spheres and planes hit.
+void shade_shapes(const RayPacket& rays, const HitShapes& hits, PointLanes& points);
+/// Takes the lanes of others where `from_others` is not 0.
+void choose_points(const Lanes& from_others, const PointLanes& others, PointLanes& points);
+
+/// Where rays leave to, mirrored about the shading normal; `chance` is 1, or 0 where the mirror image lies behind the
+/// surface.
+struct alignas(64) BounceLanes {
+  VectorLanes origin;
+  VectorLanes direction;
+  Lanes chance;
+};
+void reflect_rays(const RayPacket& rays, const PointLanes& points, BounceLanes& reflected);
+
+/// The two rays that leave a smooth dielectric: `chance` is Fresnel's term for unpolarised light, and 1 less it, 0
+/// where a ray cannot go. @param ior of the solid behind the front.
+void split_rays(const RayPacket& rays, const PointLanes& points, const Lanes& ior, BounceLanes& reflected,
+                BounceLanes& refracted);
 
 /// Shadow rays from surface points to points of an area light; `geometry` gets cos cos' / (r^2 density), 0 where no
 /// light can go. Lanes of `shadow` with geometry 0, or not in `lit_lanes`, sleep.

@@ -49,6 +49,17 @@ class PixelSampler {
   /// The sampler must outlive them.
   [[nodiscard]] Draws next_draws(std::uint32_t count) { return {*this, mix_bits(next_key()), count}; }
 
+  /// Leaves out numbers that nobody needs.
+  void skip(int numbers) { dimension_ += static_cast<std::uint64_t>(numbers); }
+
+  /// The numbers of one node of a tree of rays, whatever was drawn elsewhere in the tree.
+  [[nodiscard]] PixelSampler at_node(std::uint32_t node) const {
+    PixelSampler own = *this;
+    own.key_ = hash_key(key_, node);
+    own.dimension_ = 0;
+    return own;
+  }
+
  private:
   [[nodiscard]] std::uint64_t next_key() { return key_ + 0x9e3779b97f4a7c15ULL * ++dimension_; }
 

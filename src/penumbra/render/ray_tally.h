@@ -32,6 +32,7 @@ inline void count(RayCounts& counts, RayPurpose purpose, int depth, std::uint64_
       counts.diffuse += rays;
       break;
   }
+  if (rays == 0) return;
   const auto level = std::min(static_cast<std::size_t>(depth), counted_depths - 1);
   if (counts.by_depth.size() <= level) counts.by_depth.resize(level + 1, 0);
   counts.by_depth[level] += rays;

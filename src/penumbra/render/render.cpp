@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int tile_side = 32;                   // pixels; a task
 constexpr int block_side = ActiveBlocks::side;  // pixels; a packet of rays
+constexpr int blocks_a_tile = (tile_side / block_side) * (tile_side / block_side);
 constexpr int most_samples_a_pass = 16;
 constexpr int samples_before_rest = 16;  // of a pixel, before its noise is believed
 
@@ -73,11 +74,10 @@ std::vector<int> pass_ends(int samples) {
 // The work of one render: tiles of every pass, shared by all threads.
 class Job {
  public:
-  Job(const Integrator& integrator, const RenderOptions& options, const Progress& progress, Film& film)
+  Job(const Integrator& integrator, const RenderOptions& options, const Progress& progress)
       : integrator_(integrator),
         options_(options),
         progress_(progress),
-        film_(film),
         region_(options.region.value_or(Region{0, 0, options.width, options.height})),
         columns_((region_.x1 - region_.x0 + tile_side - 1) / tile_side),
         rows_((region_.y1 - region_.y0 + tile_side - 1) / tile_side),
@@ -85,26 +85,58 @@ class Job {
         blocks_(region_, options.noise),
         began_(Clock::now()) {}
 
-  /// False when it was cut short.
-  bool run() {
+  /// Draws into `result`: the picture, its mean samples, and whether it was cut short.
+  void run(RenderResult& result) {
+    const bool one_pass = pass_ends(options_.samples_per_pixel).size() == 1;
+    const std::uint64_t samples = one_pass ? run_once(result.image) : run_passes(result.image);
+    result.partial = cut_.load();
+    result.rays = total();
+    result.mean_samples =
+        static_cast<double>(samples) / (static_cast<double>(region_.x1 - region_.x0) * (region_.y1 - region_.y0));
+  }
+
+ private:
+  // One pass needs no sums from before: each tile is drawn on a film of its own and developed while it is in the
+  // processor's cache. Returns the samples taken.
+  std::uint64_t run_once(Image& image) {
+    image = Image(options_.width, options_.height, picture_channels(options_.aovs));
+    std::atomic<std::uint64_t> samples{0};
+    parallel_for(counts_.size(), 1, [&](std::size_t tile, std::size_t) {
+      if (cut_short()) return;
+      Film film(tile_area(tile), options_.aovs);
+      tell(render_tile(tile, 0, options_.samples_per_pixel, film) *
+           static_cast<std::size_t>(options_.samples_per_pixel));
+      film.develop_into(image);
+      samples += film.sample_count();
+    });
+    return samples;
+  }
+
+  std::uint64_t run_passes(Image& image) {
+    Film film(options_.width, options_.height, options_.aovs, options_.noise > 0);
+    pass_after_pass(film);
+    image = film.develop();
+    return film.sample_count();
+  }
+
+  void pass_after_pass(Film& film) {
     int first = 0;
     for (const int last : pass_ends(options_.samples_per_pixel)) {
       parallel_for(counts_.size(), 1, [&](std::size_t tile, std::size_t) {
         if (cut_short()) return;
-        const std::size_t blocks = render_tile(tile, first, last);
+        const std::size_t blocks = render_tile(tile, first, last, film);
         tell(blocks * static_cast<std::size_t>(last - first));
       });
-      if (cut_.load()) return false;
+      if (cut_.load()) return;
       first = last;
       if (options_.noise > 0 && last >= samples_before_rest) {
         const std::size_t active = blocks_.active_count();
-        blocks_.update(film_);
+        blocks_.update(film);
         // What rests will get no more.
         tell((active - blocks_.active_count()) * static_cast<std::size_t>(options_.samples_per_pixel - last));
         if (blocks_.active_count() == 0) break;
       }
     }
-    return true;
   }
 
   [[nodiscard]] RayCounts total() const {
@@ -113,7 +145,6 @@ class Job {
     return sum;
   }
 
- private:
   bool cut_short() {
     if (cut_.load(std::memory_order_relaxed)) return true;
     const bool late =
@@ -122,22 +153,25 @@ class Job {
     return late || progress_.stop_requested();
   }
 
-  /// Returns the number of blocks that were not at rest.
-  std::size_t render_tile(std::size_t tile, int first, int last) {
-    std::size_t blocks = 0;
+  [[nodiscard]] Region tile_area(std::size_t tile) const {
     const int x0 = region_.x0 + static_cast<int>(tile) % columns_ * tile_side;
     const int y0 = region_.y0 + static_cast<int>(tile) / columns_ * tile_side;
-    const int x1 = std::min(region_.x1, x0 + tile_side);
-    const int y1 = std::min(region_.y1, y0 + tile_side);
-    for (int y = y0; y < y1; y += block_side) {
-      for (int x = x0; x < x1; x += block_side) {
+    return {x0, y0, std::min(region_.x1, x0 + tile_side), std::min(region_.y1, y0 + tile_side)};
+  }
+
+  /// Returns the number of blocks that were not at rest.
+  std::size_t render_tile(std::size_t tile, int first, int last, Film& film) {
+    const Region area = tile_area(tile);
+    std::vector<PixelBlock> blocks;
+    blocks.reserve(static_cast<std::size_t>(blocks_a_tile));
+    for (int y = area.y0; y < area.y1; y += block_side) {
+      for (int x = area.x0; x < area.x1; x += block_side) {
         if (!blocks_.is_active((x - region_.x0) / block_side, (y - region_.y0) / block_side)) continue;
-        const PixelBlock block{x, y, std::min(x1, x + block_side), std::min(y1, y + block_side), first, last};
-        integrator_.render(block, film_, counts_[tile]);
-        ++blocks;
+        blocks.push_back({x, y, std::min(area.x1, x + block_side), std::min(area.y1, y + block_side), first, last});
       }
     }
-    return blocks;
+    integrator_.render(blocks, film, counts_[tile]);
+    return blocks.size();
   }
 
   void tell(std::size_t block_samples) {
@@ -151,7 +185,6 @@ class Job {
   const Integrator& integrator_;
   const RenderOptions& options_;
   const Progress& progress_;
-  Film& film_;
   Region region_;
   int columns_, rows_;
   std::vector<RayCounts> counts_;  // by tile
@@ -189,18 +222,9 @@ class RadiosityIntegrator final : public RayIntegrator {
 
 RenderResult draw(const Integrator& integrator, const RenderOptions& options, const Progress& progress,
                   Clock::time_point began) {
-  Film film(options.width, options.height, options.aovs, options.noise > 0);
-  Job job(integrator, options, progress, film);
-
   RenderResult result;
-  result.partial = !job.run();
-  result.rays = job.total();
+  Job(integrator, options, progress).run(result);
   result.rays += integrator.first_pass();
-  result.image = film.develop();
-  const Region region = options.region.value_or(Region{0, 0, options.width, options.height});
-  const double share = static_cast<double>(region.x1 - region.x0) * (region.y1 - region.y0) /
-                       (static_cast<double>(options.width) * options.height);
-  result.mean_samples = film.mean_samples() / share;
   result.seconds = std::chrono::duration<double>(Clock::now() - began).count();
   return result;
 }

@@ -2,6 +2,7 @@
 #include "penumbra/render/first_surface.h"
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/render/ray_waves.h"
 #include "penumbra/render/shadow_scout.h"
 #include "penumbra/tracing/shading/specular_tree.h"
 
@@ -12,18 +13,34 @@ constexpr int default_depth = 16;
 
 /// Whitted 1979: shadow rays to every light, mirror and refraction rays followed recursively, until their weight falls
 /// below a bound or the depth is reached; what they bring is returned up the tree.
-class Whitted final : public RayIntegrator {
+///
+/// Where surfaces and lights are plain, the recursion is unrolled into waves of rays (RayWaves).
+class Whitted final : public RayIntegrator, private RayWaves::Others {
  public:
   Whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
       : RayIntegrator(camera, options.seed),
+        camera_(camera),
         tree_(tracer, options.front_sides_only),
         direct_(tracer, options),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
         min_throughput_(static_cast<float>(options.min_throughput)) {
     if (direct_.is_selective()) direct_.send_more_at(scout_shadows(direct_, tree_, camera, options, first_pass_));
+    if (options.front_sides_only || !direct_.sends_one_ray_each()) return;
+    waves_ = RayWaves::make(tracer, camera_, direct_.lights(),
+                            {.max_depth = max_depth_,
+                             .min_throughput = min_throughput_,
+                             .at_middles = options.samples_per_pixel == 1,
+                             .through_glass = !options.opaque_shadows,
+                             .seed = options.seed});
   }
 
   [[nodiscard]] RayCounts first_pass() const override { return first_pass_; }
+
+  using RayIntegrator::render;
+  void render(std::span<const PixelBlock> blocks, Film& film, RayCounts& rays) const override {
+    waves_ && !film.has_layers() ? waves_->render(blocks, *this, film, rays)
+                                 : RayIntegrator::render(blocks, film, rays);
+  }
 
   [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override {
     PixelEstimate seen;
@@ -76,11 +93,19 @@ class Whitted final : public RayIntegrator {
     PixelEstimate& seen_;
   };
 
+  Rgb trace(const Ray& ray, const Rgb& weight, int depth, PixelSampler& sampler, RayCounts& rays) const override {
+    PixelEstimate unseen;
+    Eye eye(*this, sampler, rays, unseen);
+    return tree_.trace(ray, {.weight = weight, .depth = depth, .start = ray.origin}, eye);
+  }
+
+  CameraRays camera_;
   SpecularTree tree_;
   DirectLight direct_;
   RayCounts first_pass_;
   int max_depth_;
   float min_throughput_;
+  std::unique_ptr<RayWaves> waves_;
 };
 
 }  // namespace

@@ -111,4 +111,9 @@ Vec4f mean_texel(const TextureImage& image, TexelEncoding encoding) {
   return Vec4f(sum / (static_cast<double>(image.width) * image.height));
 }
 
+bool reads_textures(const Material& m) {
+  return m.base_colour_texture || m.metallic_roughness_texture || m.normal_texture || m.emission_texture ||
+         m.transmission_texture || m.specular_texture || m.specular_colour_texture;
+}
+
 }  // namespace penumbra

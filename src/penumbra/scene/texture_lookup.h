@@ -23,4 +23,7 @@ enum class TexelEncoding { linear, srgb };
 /// Linear value, 0..1, of an sRGB-encoded one (IEC 61966-2-1).
 [[nodiscard]] float srgb_to_linear(float encoded);
 
+/// Whether a material has any texture, so that texture coordinates matter.
+[[nodiscard]] bool reads_textures(const Material& material);
+
 }  // namespace penumbra

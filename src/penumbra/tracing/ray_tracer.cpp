@@ -8,19 +8,22 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "penumbra/scene/texture_lookup.h"
 #include "penumbra/tracing/opacity.h"
 #include "penumbra/tracing/placed_mesh.h"
 #include "penumbra/tracing/shape_intersection.h"
+#include "penumbra/tracing/shape_list.h"
 
 namespace penumbra {
 namespace {
 
-// Distance at which infinite planes end for the hierarchy, in diagonals of the rest of the scene.
-constexpr double horizon_in_diagonals = 1e4;
+// Up to how many disks and cylinders are tried one by one rather than in the hierarchy.
+constexpr std::size_t few_others = 8;
 
 struct DeviceDeleter {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -124,7 +127,8 @@ struct RayTracer::Impl {
   const Scene* scene = nullptr;
   Device device;
   std::vector<Hierarchy> meshes;  // for meshes with several instances
-  Hierarchy world;
+  Hierarchy world;                // none without triangles, when all shapes are in the list
+  ShapeList list;
   std::vector<Entry> entries;  // by geometry number of `world`
   std::vector<std::unique_ptr<ShapeEntry>> shapes;
   std::vector<std::unique_ptr<MaskEntry>> masks;
@@ -137,7 +141,9 @@ struct RayTracer::Impl {
   bool only_triangles = true;
   std::string error;
 
-  explicit Impl(const Scene& s) : scene(&s) {
+  explicit Impl(const Scene& s) : scene(&s) {}
+
+  void open_device() {
     device.reset(rtcNewDevice(nullptr));
     if (!device) throw std::runtime_error("the ray tracing kernels cannot start on this processor");
     rtcSetDeviceErrorFunction(device.get(), note_error, this);
@@ -162,7 +168,8 @@ struct RayTracer::Impl {
 
   void attach_triangles(RTCScene target, const Mesh& mesh, const Mat4d& to_space, std::uint32_t object);
   void attach_instances();
-  void attach_shapes();
+  [[nodiscard]] std::vector<std::size_t> list_shapes();
+  void attach_shapes(std::span<const std::size_t> numbers);
   void add_entry(unsigned geometry, std::uint32_t object, bool turned) {
     if (entries.size() <= geometry) entries.resize(geometry + 1);
     entries[geometry] = {object, turned};
@@ -175,6 +182,8 @@ struct RayTracer::Impl {
         coherent && only_triangles ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     return context;
   }
+  void nearest(const RayPacket& rays, HitPacket& hits) const;
+  void nearest_below(const RayPacket& rays, HitPacket& hits) const;
   void turn_normals(RTCHitN* found, HitPacket& hits) const;
   [[nodiscard]] std::uint32_t object_of(unsigned geometry, unsigned instance) const {
     return entries[instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry].object;
@@ -238,15 +247,33 @@ void RayTracer::Impl::attach_instances() {
   }
 }
 
-void RayTracer::Impl::attach_shapes() {
+// Shapes that are few go into the list, the rest into the hierarchy. Returns the numbers of those.
+std::vector<std::size_t> RayTracer::Impl::list_shapes() {
+  std::size_t spheres = 0, others = 0;
   for (const ShapeObject& s : scene->shapes) {
-    if (!std::holds_alternative<Plane>(s.shape)) bounds.grow(shape_bounds(s.shape, 0));
+    if (std::holds_alternative<Plane>(s.shape)) continue;
+    bounds.grow(shape_bounds(s.shape, 0));
+    ++(std::holds_alternative<Sphere>(s.shape) ? spheres : others);
   }
-  const double horizon = horizon_in_diagonals * std::max(1.0, bounds.diagonal());
+  std::vector<std::size_t> rest;
   for (std::size_t i = 0; i < scene->shapes.size(); ++i) {
     const Shape& shape = scene->shapes[i].shape;
+    const bool listed = std::holds_alternative<Plane>(shape) ||
+                        (std::holds_alternative<Sphere>(shape) ? spheres <= ShapeList::longest : others <= few_others);
+    if (listed) {
+      list.add(shape, static_cast<std::uint32_t>(scene->instances.size() + i));
+    } else {
+      rest.push_back(i);
+    }
+  }
+  return rest;
+}
+
+void RayTracer::Impl::attach_shapes(std::span<const std::size_t> numbers) {
+  for (const std::size_t i : numbers) {
+    const Shape& shape = scene->shapes[i].shape;
     only_triangles = false;
-    shapes.push_back(std::make_unique<ShapeEntry>(ShapeEntry{shape, shape_bounds(shape, horizon)}));
+    shapes.push_back(std::make_unique<ShapeEntry>(ShapeEntry{shape, shape_bounds(shape, 0)}));
     RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, 1);
     rtcSetGeometryUserData(geometry, shapes.back().get());
@@ -260,9 +287,12 @@ void RayTracer::Impl::attach_shapes() {
 }
 
 RayTracer::RayTracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {
+  const std::vector<std::size_t> rest = impl_->list_shapes();
+  if (rest.empty() && scene.triangle_count() == 0) return;
+  impl_->open_device();
   impl_->world = impl_->new_hierarchy();
   impl_->attach_instances();
-  impl_->attach_shapes();
+  impl_->attach_shapes(rest);
   rtcCommitScene(impl_->world.get());
   impl_->throw_on_error();
 }
@@ -294,13 +324,19 @@ RTCRay embree_ray(const Ray& ray) {
 }  // namespace
 
 std::optional<Hit> RayTracer::nearest(const Ray& ray) const {
+  std::optional<Hit> listed;
+  if (!impl_->list.empty()) {
+    if (const auto met = impl_->list.nearest(ray)) listed = Hit{.t = met->t, .object = met->object};
+  }
+  if (!impl_->world) return listed;
   RTCRayHit query{embree_ray(ray), {}};
+  if (listed) query.ray.tfar = static_cast<float>(listed->t);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersect1(impl_->world.get(), &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return listed;
   return Hit{.t = query.ray.tfar,
              .object = impl_->object_of(query.hit.geomID, query.hit.instID[0]),
              .primitive = query.hit.primID,
@@ -308,6 +344,8 @@ std::optional<Hit> RayTracer::nearest(const Ray& ray) const {
 }
 
 bool RayTracer::occluded(const Ray& ray) const {
+  if (!impl_->list.empty() && impl_->list.occluded(ray)) return true;
+  if (!impl_->world) return false;
   RTCRay query = embree_ray(ray);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -357,17 +395,22 @@ void RayTracer::Impl::turn_normals(RTCHitN* found, HitPacket& hits) const {
 }
 
 void RayTracer::nearest(const RayPacket& rays, HitPacket& hits) const {
+  const bool has_list = !impl_->list.empty();
+  if (has_list || !impl_->world) impl_->list.nearest(rays, hits);
+  if (impl_->world) has_list ? impl_->nearest_below(rays, hits) : impl_->nearest(rays, hits);
+}
+
+void RayTracer::Impl::nearest(const RayPacket& rays, HitPacket& hits) const {
   RTCRayHit16 query;
   copy_rays(rays, query.ray);
   std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
   std::fill(std::begin(query.hit.instID[0]), std::end(query.hit.instID[0]), RTC_INVALID_GEOMETRY_ID);
-  RTCIntersectContext context = impl_->packet_context(true);
-  if (impl_->native_packets) {
-    rtcIntersect16(rays.active, impl_->world.get(), &context, &query);
+  RTCIntersectContext context = packet_context(true);
+  if (native_packets) {
+    rtcIntersect16(rays.active, world.get(), &context, &query);
   } else {
     put_to_sleep(rays, query.ray);
-    rtcIntersectNM(impl_->world.get(), &context, reinterpret_cast<RTCRayHitN*>(&query), RayPacket::size, 1,
-                   sizeof query);
+    rtcIntersectNM(world.get(), &context, reinterpret_cast<RTCRayHitN*>(&query), RayPacket::size, 1, sizeof query);
   }
   std::memcpy(hits.t, query.ray.tfar, sizeof hits.t);
   std::memcpy(hits.normal_x, query.hit.Ng_x, sizeof hits.normal_x);
@@ -378,12 +421,33 @@ void RayTracer::nearest(const RayPacket& rays, HitPacket& hits) const {
   std::memcpy(hits.primitive, query.hit.primID, sizeof hits.primitive);
   for (int i = 0; i < RayPacket::size; ++i) {
     const bool hit = rays.active[i] != 0 && query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-    hits.object[i] = hit ? impl_->object_of(query.hit.geomID[i], query.hit.instID[0][i]) : HitPacket::no_hit;
+    hits.object[i] = hit ? object_of(query.hit.geomID[i], query.hit.instID[0][i]) : HitPacket::no_hit;
   }
-  if (impl_->any_turned) impl_->turn_normals(reinterpret_cast<RTCHitN*>(&query.hit), hits);
+  if (any_turned) turn_normals(reinterpret_cast<RTCHitN*>(&query.hit), hits);
+}
+
+// Takes what the hierarchy holds nearer than the hits so far.
+void RayTracer::Impl::nearest_below(const RayPacket& rays, HitPacket& hits) const {
+  RayPacket rest = rays;
+  std::memcpy(rest.t_max, hits.t, sizeof rest.t_max);
+  HitPacket found;
+  nearest(rest, found);
+  for (int i = 0; i < RayPacket::size; ++i) {
+    if (found.object[i] == HitPacket::no_hit) continue;
+    hits.t[i] = found.t[i];
+    hits.normal_x[i] = found.normal_x[i];
+    hits.normal_y[i] = found.normal_y[i];
+    hits.normal_z[i] = found.normal_z[i];
+    hits.u[i] = found.u[i];
+    hits.v[i] = found.v[i];
+    hits.object[i] = found.object[i];
+    hits.primitive[i] = found.primitive[i];
+  }
 }
 
 void RayTracer::occluded(RayPacket& rays, bool coherent) const {
+  if (!impl_->list.empty()) impl_->list.occluded(rays);
+  if (!impl_->world) return;
   RTCRay16 query;
   copy_rays(rays, query);
   RTCIntersectContext context = impl_->packet_context(coherent);
@@ -404,7 +468,7 @@ SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
   SurfacePoint p;
   if (hit.object >= scene.instances.size()) {
     const ShapeObject& object = scene.shapes[hit.object - scene.instances.size()];
-    const ShapePoint s = shape_point(object.shape, ray.at(hit.t));
+    const ShapePoint s = shape_point(object.shape, ray.at(hit.t), reads_textures(scene.materials[object.material]));
     p.position = s.position;
     p.geometric_normal = p.shading_normal = s.normal;
     p.tangent = s.tangent;

@@ -80,29 +80,30 @@ double turn(double y, double x) {
   return angle < 0 ? angle + 1 : angle;
 }
 
-ShapePoint point_on(const Sphere& sphere, const Vec3d& near) {
+ShapePoint point_on(const Sphere& sphere, const Vec3d& near, bool with_uv) {
   const Vec3d offset = near - sphere.centre;
   const Vec3d n = length_squared(offset) > 0 ? normalize(offset) : Vec3d(0, 1, 0);
+  if (!with_uv) return {sphere.centre + sphere.radius * n, n, Frame(n).tangent, Vec2f(0)};
   const Vec3d around(n.z, 0, -n.x);  // d position / d phi with phi from +x towards -z
   const Vec3d tangent = length_squared(around) > 0 ? normalize(around) : Vec3d(1, 0, 0);
   const Vec2f uv(turn(-n.z, n.x), std::acos(glm::clamp(n.y, -1.0, 1.0)) / pi);
   return {sphere.centre + sphere.radius * n, n, tangent, uv};
 }
 
-ShapePoint point_on(const Plane& plane, const Vec3d& near) {
+ShapePoint point_on(const Plane& plane, const Vec3d& near, bool) {
   const Frame frame(plane.normal);
   const Vec3d position = near - dot(near - plane.point, plane.normal) * plane.normal;
   const Vec3d offset = position - plane.point;
   return {position, plane.normal, frame.tangent, Vec2f(dot(offset, frame.tangent), dot(offset, frame.bitangent))};
 }
 
-ShapePoint point_on(const Disk& disk, const Vec3d& near) {
-  ShapePoint p = point_on(Plane{disk.centre, disk.normal}, near);
+ShapePoint point_on(const Disk& disk, const Vec3d& near, bool with_uv) {
+  ShapePoint p = point_on(Plane{disk.centre, disk.normal}, near, with_uv);
   p.uv = 0.5F + p.uv / static_cast<float>(2 * disk.radius);
   return p;
 }
 
-ShapePoint point_on(const Cylinder& cylinder, const Vec3d& near) {
+ShapePoint point_on(const Cylinder& cylinder, const Vec3d& near, bool with_uv) {
   const Vec3d axis = cylinder.top - cylinder.base;
   const double along = dot(near - cylinder.base, axis) / dot(axis, axis);
   const Vec3d foot = cylinder.base + along * axis;
@@ -110,13 +111,14 @@ ShapePoint point_on(const Cylinder& cylinder, const Vec3d& near) {
   const Vec3d offset = near - foot;
   const Vec3d n = length_squared(offset) > 0 ? normalize(offset) : frame.tangent;
   const Vec3d tangent = cross(frame.normal, n);
-  return {foot + cylinder.radius * n, n, tangent, Vec2f(turn(dot(n, frame.bitangent), dot(n, frame.tangent)), along)};
+  const Vec2f uv = with_uv ? Vec2f(turn(dot(n, frame.bitangent), dot(n, frame.tangent)), along) : Vec2f(0);
+  return {foot + cylinder.radius * n, n, tangent, uv};
 }
 
 }  // namespace
 
-ShapePoint shape_point(const Shape& shape, const Vec3d& near) {
-  return std::visit([&](const auto& s) { return point_on(s, near); }, shape);
+ShapePoint shape_point(const Shape& shape, const Vec3d& near, bool with_uv) {
+  return std::visit([&](const auto& s) { return point_on(s, near, with_uv); }, shape);
 }
 
 Vec3d shape_normal(const Shape& shape, const Vec3d& near) {

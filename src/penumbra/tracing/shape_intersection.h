@@ -22,7 +22,9 @@ struct ShapePoint {
   Vec3d tangent;   ///< unit, along increasing u
   Vec2f uv;        ///< 0..1 over the shape; metres on a plane
 };
-[[nodiscard]] ShapePoint shape_point(const Shape& shape, const Vec3d& near);
+/// @param with_uv whether texture coordinates are worked out, else those that need angles are 0 and tangents may lie
+/// any way.
+[[nodiscard]] ShapePoint shape_point(const Shape& shape, const Vec3d& near, bool with_uv = true);
 
 /// Its normal alone, towards the front, not unit: all that a packet's hit needs, and much cheaper.
 [[nodiscard]] Vec3d shape_normal(const Shape& shape, const Vec3d& near);

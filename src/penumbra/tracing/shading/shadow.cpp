@@ -39,35 +39,120 @@ Shadow::Shadow(const RayTracer& tracer, bool through_glass) : tracer_(&tracer), 
                          [&](const Material& m) { return lets_light_pass(m, through_glass); });
 }
 
+// A ray on its way through transparent surfaces.
+struct Shadow::Passage {
+  Ray rest;
+  Vec3d end{0};      // of the whole ray
+  Vec3d entered{0};  // where the ray last went into or out of glass
+  Rgb passed{1};
+
+  explicit Passage(const Ray& ray)
+      : rest(ray), end(ray.at(std::isfinite(ray.t_max) ? ray.t_max : 0)), entered(ray.origin) {}
+};
+
+// Takes the ray through the surface that it met. False when it ends there: nothing passed, or its end is reached.
+bool Shadow::go_through(Passage& way, const Hit& hit) const {
+  const Scene& scene = tracer_->scene();
+  const Vec3d direction = way.rest.direction;
+  const SurfacePoint point = tracer_->surface_point(way.rest, hit);
+  const Material& material = scene.materials[point.material];
+  if (!lets_light_pass(material, through_glass_)) {
+    way.passed = Rgb(0);
+    return false;
+  }
+  if (through_glass_ && material.transmission > 0 && !material.thin_walled) {
+    if (dot(point.geometric_normal, direction) > 0) {
+      way.passed *= volume_transmittance(material.attenuation_colour, material.attenuation_distance,
+                                         length(point.position - way.entered));
+    }
+    way.entered = point.position;
+  }
+  way.passed *= crossing(surface_material(scene, point), point.geometric_normal, direction, through_glass_);
+  if (is_black(way.passed)) return false;
+  const double t_max = way.rest.t_max;
+  way.rest = leave(point, direction);
+  if (std::isfinite(t_max)) {
+    way.rest.t_max = dot(way.end - way.rest.origin, direction);
+    if (way.rest.t_max <= 0) return false;
+  }
+  return true;
+}
+
 Rgb Shadow::transmittance(const Ray& ray) const {
   if (binary_) return Rgb(tracer_->occluded(ray) ? 0.0F : 1.0F);
-  const Scene& scene = tracer_->scene();
-  Rgb passed(1);
-  Vec3d entered = ray.origin;  // where the ray last went into or out of glass
-  Ray rest = ray;
-  const Vec3d end = ray.at(std::isfinite(ray.t_max) ? ray.t_max : 0);
+  Passage way(ray);
   for (int crossed = 0; crossed < most_surfaces; ++crossed) {
-    const auto hit = tracer_->nearest(rest);
-    if (!hit) return passed;
-    const SurfacePoint point = tracer_->surface_point(rest, *hit);
-    const Material& material = scene.materials[point.material];
-    if (!lets_light_pass(material, through_glass_)) return Rgb(0);
-    if (through_glass_ && material.transmission > 0 && !material.thin_walled) {
-      if (dot(point.geometric_normal, ray.direction) > 0) {
-        passed *= volume_transmittance(material.attenuation_colour, material.attenuation_distance,
-                                       length(point.position - entered));
-      }
-      entered = point.position;
-    }
-    passed *= crossing(surface_material(scene, point), point.geometric_normal, ray.direction, through_glass_);
-    if (is_black(passed)) return passed;
-    rest = leave(point, ray.direction);
-    if (std::isfinite(ray.t_max)) {
-      rest.t_max = dot(end - rest.origin, ray.direction);
-      if (rest.t_max <= 0) return passed;
-    }
+    const auto hit = tracer_->nearest(way.rest);
+    if (!hit || !go_through(way, *hit)) return way.passed;
   }
   return Rgb(0);
+}
+
+namespace {
+
+// Rays of which most are settled by the first query, and the rest surface by surface.
+void put(const Ray& ray, int lane, RayPacket& rays) {
+  rays.origin_x[lane] = static_cast<float>(ray.origin.x);
+  rays.origin_y[lane] = static_cast<float>(ray.origin.y);
+  rays.origin_z[lane] = static_cast<float>(ray.origin.z);
+  rays.t_min[lane] = static_cast<float>(ray.t_min);
+  rays.t_max[lane] = static_cast<float>(ray.t_max);
+}
+
+Ray lane_ray(const RayPacket& rays, int lane) {
+  return {.origin = {rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
+          .direction = {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]},
+          .t_min = rays.t_min[lane],
+          .t_max = rays.t_max[lane]};
+}
+
+}  // namespace
+
+void Shadow::transmittance(RayPacket& rays, bool coherent, std::array<Rgb, RayPacket::size>& passed) const {
+  passed.fill(Rgb(1));
+  RayPacket blocked = rays;
+  tracer_->occluded(rays, coherent);
+  if (binary_) return;
+  std::array<std::optional<Passage>, RayPacket::size> ways;
+  int left = 0;
+  for (int i = 0; i < RayPacket::size; ++i) {
+    if (rays.active[i] != 0) blocked.active[i] = 0;
+    if (blocked.active[i] != 0) ++left;
+  }
+  // Glass in the way lets some light through; most often what is met first is opaque.
+  HitPacket hits;
+  for (int crossed = 0; crossed < most_surfaces && left > 0; ++crossed) {
+    tracer_->nearest(blocked, hits);
+    for (int i = 0; i < RayPacket::size; ++i) {
+      if (blocked.active[i] == 0) continue;
+      const auto k = static_cast<std::size_t>(i);
+      if (!ways[k]) {
+        if (hits.object[i] != HitPacket::no_hit && !passes(hits, i)) {
+          blocked.active[i] = 0, --left;
+          continue;
+        }
+        ways[k].emplace(lane_ray(blocked, i));
+      }
+      Passage& way = *ways[k];
+      if (hits.object[i] != HitPacket::no_hit &&
+          go_through(way, {hits.t[i], hits.object[i], hits.primitive[i], {hits.u[i], hits.v[i]}})) {
+        put(way.rest, i, blocked);
+        continue;
+      }
+      blocked.active[i] = 0, --left;
+      passed[k] = way.passed;
+      if (!is_black(way.passed)) rays.active[i] = -1;
+    }
+  }
+}
+
+bool Shadow::passes(const HitPacket& hits, int lane) const {
+  const Scene& scene = tracer_->scene();
+  const std::uint32_t object = hits.object[lane];
+  const std::uint32_t material = object < scene.instances.size()
+                                     ? scene.meshes[scene.instances[object].mesh].material_of(hits.primitive[lane])
+                                     : scene.shapes[object - scene.instances.size()].material;
+  return lets_light_pass(scene.materials[material], through_glass_);
 }
 
 }  // namespace penumbra

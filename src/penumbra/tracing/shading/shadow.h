@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "penumbra/tracing/ray_tracer.h"
 
 namespace penumbra {
@@ -17,10 +19,18 @@ class Shadow {
   /// The share of light that passes along the ray's interval, 0..1 per band.
   [[nodiscard]] Rgb transmittance(const Ray& ray) const;
 
+  /// The same for the active lanes of a packet; lanes along which nothing passes fall asleep.
+  /// @param coherent see RayTracer::occluded.
+  void transmittance(RayPacket& rays, bool coherent, std::array<Rgb, RayPacket::size>& passed) const;
+
   /// True when every surface is opaque, so that one occlusion query decides.
   [[nodiscard]] bool is_binary() const { return binary_; }
 
  private:
+  struct Passage;
+  [[nodiscard]] bool go_through(Passage& way, const Hit& hit) const;
+  [[nodiscard]] bool passes(const HitPacket& hits, int lane) const;
+
   const RayTracer* tracer_;
   bool through_glass_;
   bool binary_;

@@ -1,0 +1,103 @@
+#include "penumbra/render/packet_surfaces.h"
+
+#include "penumbra/math/transform.h"
+#include "penumbra/scene/texture_lookup.h"
+#include "penumbra/tracing/shading/bsdf.h"
+
+namespace penumbra {
+namespace {
+
+// What a constant mirror leaves to a Lambertian base, see Bsdf.
+Rgb below_mirror(const Rgb& base, const Rgb& mirror) { return glm::min(base, Rgb(1) - glm::clamp(mirror, 0.0F, 1.0F)); }
+
+PacketMaterial packet_material(const Material& m) {
+  PacketMaterial p;
+  if (reads_textures(m) || m.unlit || m.alpha_mode == AlphaMode::blend || m.metallic != 0) return p;
+  p.emission = m.emission;
+  p.double_sided = m.double_sided;
+  if (m.specular == 0 && m.transmission == 0) {
+    p.kind = PacketMaterial::Kind::matt;
+    p.mirror = glm::clamp(m.mirror, 0.0F, 1.0F);
+    p.reflectance[0] = below_mirror(glm::clamp(m.base_colour, 0.0F, 1.0F), p.mirror);
+    if (m.checker_colour) {
+      p.reflectance[1] = below_mirror(glm::clamp(*m.checker_colour, 0.0F, 1.0F), p.mirror);
+      p.checker_size = m.checker_size;
+    }
+    return p;
+  }
+  const bool smooth = m.roughness * m.roughness < static_cast<float>(Bsdf::ideal_alpha);
+  const bool absorbs = m.attenuation_distance < std::numeric_limits<float>::infinity();
+  if (m.transmission >= 1 && smooth && !absorbs && !m.thin_walled && m.ior >= 1 && m.specular == 1 &&
+      m.specular_colour == Rgb(1) && is_black(m.mirror) && !m.checker_colour) {
+    p.kind = PacketMaterial::Kind::glass;
+    p.ior = m.ior;
+    p.tint = glm::clamp(m.base_colour, 0.0F, 1.0F);
+  }
+  return p;
+}
+
+}  // namespace
+
+PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
+  for (const Material& m : scene.materials) materials_.push_back(packet_material(m));
+  for (const Instance& i : scene.instances) {
+    const bool mirrors = is_mirroring(i.to_world);
+    places_.push_back({.as_is = i.to_world == Mat4d(1.0),
+                       .mirrors = mirrors,
+                       .to_world = i.to_world,
+                       .normals = normal_matrix(i.to_world) * (mirrors ? -1.0 : 1.0)});
+  }
+}
+
+const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, HitTriangles& triangles,
+                                             HitShapes& shapes) const {
+  const auto i = static_cast<std::size_t>(lane);
+  const std::uint32_t object = hits.object[lane];
+  if (object >= scene_->instances.size()) {
+    const ShapeObject& o = scene_->shapes[object - scene_->instances.size()];
+    const PacketMaterial& material = materials_[o.material];
+    if (material.kind == PacketMaterial::Kind::other) return nullptr;
+    if (const auto* sphere = std::get_if<Sphere>(&o.shape)) {
+      shapes.centre.set(lane, Vec3f(sphere->centre));
+      shapes.normal.set(lane, Vec3f(0));
+      shapes.radius[i] = static_cast<float>(sphere->radius);
+      shapes.flat[i] = 0;
+    } else if (const auto* plane = std::get_if<Plane>(&o.shape)) {
+      shapes.centre.set(lane, Vec3f(plane->point));
+      shapes.normal.set(lane, Vec3f(plane->normal));
+      shapes.radius[i] = 0;
+      shapes.flat[i] = 1;
+    } else {
+      return nullptr;
+    }
+    shapes.t[i] = hits.t[lane];
+    shapes.met[i] = 1;
+    return &material;
+  }
+  const Mesh& mesh = scene_->meshes[scene_->instances[object].mesh];
+  const std::uint32_t primitive = hits.primitive[lane];
+  const PacketMaterial& material = materials_[mesh.material_of(primitive)];
+  if (material.kind == PacketMaterial::Kind::other || !mesh.colours.empty()) return nullptr;
+  const Place& place = places_[object];
+  const Mesh::Triangle& corner = mesh.triangles[primitive];
+  const auto world = [&](std::uint32_t vertex) {
+    const Vec3d& p = mesh.positions[vertex];
+    return Vec3f(place.as_is ? p : transform_point(place.to_world, p));
+  };
+  triangles.v0.set(lane, world(corner[0]));
+  triangles.v1.set(lane, world(corner[1]));
+  triangles.v2.set(lane, world(corner[2]));
+  const float u = hits.u[lane];
+  const float v = hits.v[lane];
+  triangles.u[i] = u;
+  triangles.v[i] = v;
+  triangles.mirror[i] = place.mirrors ? -1.0F : 1.0F;
+  triangles.smooth[i] = mesh.normals.empty() ? 0.0F : 1.0F;
+  if (!mesh.normals.empty()) {
+    const Vec3f n = (1 - u - v) * mesh.normals[corner[0]] + u * mesh.normals[corner[1]] + v * mesh.normals[corner[2]];
+    triangles.normal.set(lane, place.as_is ? n : Vec3f(place.normals * Vec3d(n)));
+  }
+  return &material;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "penumbra/render/packet_shading.h"
+
+namespace penumbra {
+
+/// What a packet of rays needs to know of a material.
+struct PacketMaterial {
+  enum class Kind {
+    matt,   ///< Lambertian, or in two colours, with a constant mirror share
+    glass,  ///< a clear solid with smooth walls
+    other,  ///< anything else: its lanes are shaded one by one
+  };
+  Kind kind = Kind::other;
+  Rgb reflectance[2]{};    ///< Lambertian, of the first and the second colour; what the mirror leaves
+  float checker_size = 0;  ///< m; 0: one colour
+  Rgb mirror{0};
+  Rgb emission{0};
+  bool double_sided = false;
+  float ior = 1;  ///< of glass
+  Rgb tint{0};    ///< of what glass lets through
+};
+
+/// Gathers what the lanes of a packet hit from the scene, lane by lane: the part of shading that is all memory and no
+/// arithmetic.
+class PacketSurfaces {
+ public:
+  explicit PacketSurfaces(const Scene& scene);
+
+  /// Puts a hit lane's triangle or shape beside the others; returns its material, or none when the lane has to be
+  /// shaded by itself. @pre the lane hit something.
+  [[nodiscard]] const PacketMaterial* gather(const HitPacket& hits, int lane, HitTriangles& triangles,
+                                             HitShapes& shapes) const;
+
+ private:
+  /// An instance whose vertices need no turning, or how to turn them.
+  struct Place {
+    bool as_is = true;
+    bool mirrors = false;
+    Mat4d to_world{1.0};
+    Mat3d normals{1.0};
+  };
+
+  const Scene* scene_;
+  std::vector<PacketMaterial> materials_;
+  std::vector<Place> places_;  // by instance
+};
+
+}  // namespace penumbra

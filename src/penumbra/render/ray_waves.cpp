@@ -1,0 +1,409 @@
+#include "penumbra/render/ray_waves.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "penumbra/render/ray_tally.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int lanes = RayPacket::size;
+constexpr std::size_t most_samples_a_batch = 2048;  // the waves of so many stay in the second-level cache
+constexpr std::uint32_t root = 1;                   // of a tree of rays; a node's rays are 2 node and 2 node + 1
+
+struct ColourLanes {
+  Lanes r, g, b;
+  void set(std::size_t i, const Rgb& c) { r[i] = c.x, g[i] = c.y, b[i] = c.z; }
+  void add(std::size_t i, const Rgb& c) { r[i] += c.x, g[i] += c.y, b[i] += c.z; }
+  [[nodiscard]] Rgb get(std::size_t i) const { return {r[i], g[i], b[i]}; }
+};
+
+// Which square of a checker a coordinate lies in; far out, where single precision knows no squares, the first.
+std::int64_t square_of(float x, float inverse_size) {
+  const float at = x * inverse_size;
+  if (!(std::abs(at) < 1e9F)) return 0;
+  const auto down = static_cast<std::int64_t>(at);
+  return down - (at < static_cast<float>(down) ? 1 : 0);
+}
+
+// As surface_material.cpp has it: squares in the plane of the two axes nearest to the surface's.
+bool on_second_colour(const PacketMaterial& m, const PointLanes& points, std::size_t i) {
+  const float nx = std::abs(points.geometric.x[i]), ny = std::abs(points.geometric.y[i]),
+              nz = std::abs(points.geometric.z[i]);
+  const float x = points.position.x[i], y = points.position.y[i], z = points.position.z[i];
+  const bool along_x = nx > ny && nx > nz;
+  const bool along_y = !along_x && ny >= nz;
+  const float inverse = 1 / m.checker_size;
+  return ((square_of(along_x ? y : x, inverse) + square_of(along_x || along_y ? z : y, inverse)) & 1) != 0;
+}
+
+}  // namespace
+
+/// A sample of a pixel.
+struct RayWaves::Sample {
+  int x, y, number;
+  float weight;  // of the filter
+  Rgb radiance{0};
+};
+
+/// Sixteen rays, what they carry, and whose they are.
+struct alignas(64) RayWaves::Wave {
+  RayPacket rays;
+  ColourLanes weight;
+  std::uint32_t sample[lanes];
+  std::uint32_t node[lanes];
+  int used = 0;
+};
+
+/// A light's points for sixteen surfaces, and its radiance there (or strength).
+struct alignas(64) RayWaves::LightPoints {
+  LightLanes lanes{};
+  std::array<Rgb, RayPacket::size> radiance{};
+
+  void set(std::size_t i, const PacketLight::Triangle& t, const Vec3f& position) {
+    const int lane = static_cast<int>(i);
+    lanes.position.set(lane, position);
+    lanes.normal.set(lane, t.normal);
+    lanes.inverse_density[i] = t.inverse_density;
+    lanes.both_sides[i] = t.both_sides ? 1.0F : 0.0F;
+    radiance[i] = t.radiance;
+  }
+};
+
+/// What is known of sixteen surfaces while they are lit.
+struct alignas(64) RayWaves::Lit {
+  HitPacket hits;
+  HitTriangles triangles;
+  HitShapes shapes;
+  PointLanes points;
+  RayPacket shadow;
+  Lanes geometry;
+  ColourLanes reflectance, radiance;
+  std::array<const PacketMaterial*, lanes> material{};  // none: missed, unused or shaded by itself
+  std::int32_t lit[lanes] = {};                         // -1: matt, light can bring something
+  bool any_glass = false, any_mirror = false, any_lit = false;
+};
+
+/// The samples that are drawn together, from their camera rays to the last wave.
+class RayWaves::Batch {
+ public:
+  Batch(const RayWaves& owner, const Others& others, RayCounts& rays) : owner_(owner), others_(others), rays_(rays) {}
+
+  void start(const PixelBlock& block);
+  void trace();
+  void add_to(Film& film) const;
+  void clear() { samples_.clear(); }
+  [[nodiscard]] std::size_t size() const { return samples_.size(); }
+
+ private:
+  void meet(Wave& wave);
+  void classify(const Wave& wave, Lit& lit);
+  void hand_over(const Wave& wave, int lane);
+  void shine(Lit& lit) const;
+  void light(const Wave& wave, Lit& lit);
+  void draw_points(const PacketLight& light, int number, const Wave& wave, const Lit& lit, LightPoints& points) const;
+  void go_on(const Wave& wave, const Lit& lit);
+  void follow(const Wave& wave, int lane, const BounceLanes& bounce, const Rgb& share, bool refracted);
+  Wave& open_wave();
+  [[nodiscard]] PixelSampler sampler(const Wave& wave, int lane) const;
+
+  const RayWaves& owner_;
+  const Others& others_;
+  RayCounts& rays_;
+  std::vector<Sample> samples_;
+  std::vector<Wave> now_, next_;
+  std::size_t next_count_ = 0;
+  int depth_ = 0;
+  std::uint64_t reflections_ = 0, refractions_ = 0;  // in the next wave
+};
+
+RayWaves::RayWaves(const RayTracer& tracer, const CameraRays& camera, const LightSampler& lights,
+                   std::vector<PacketLight> packet_lights, const Options& options)
+    : tracer_(tracer),
+      camera_(camera),
+      lights_(lights),
+      packet_lights_(std::move(packet_lights)),
+      options_(options),
+      shadow_(tracer, options.through_glass),
+      surfaces_(tracer.scene()),
+      raster_{Vec3f(camera.eye()), Vec3f(camera.corner()), Vec3f(camera.step_x()), Vec3f(camera.step_y())} {
+  for (const PacketLight& l : packet_lights_) {
+    const PacketLight::Triangle point{.v0 = l.position,
+                                      .e1 = Vec3f(0),
+                                      .e2 = Vec3f(0),
+                                      .normal = Vec3f(0),
+                                      .inverse_density = 1,
+                                      .radiance = l.strength,
+                                      .both_sides = false};
+    const PacketLight::Triangle& t = l.kind == PacketLight::Kind::area ? l.triangles[0] : point;
+    LightPoints& points = fixed_points_.emplace_back();
+    for (std::size_t i = 0; i < lanes; ++i) points.set(i, t, t.v0);
+  }
+}
+
+RayWaves::~RayWaves() = default;
+
+std::unique_ptr<RayWaves> RayWaves::make(const RayTracer& tracer, const CameraRays& camera, const LightSampler& lights,
+                                         const Options& options) {
+  if (!camera.is_pinhole()) return nullptr;
+  auto packet_lights = penumbra::packet_lights(tracer.scene(), lights, options.at_middles);
+  if (!packet_lights) return nullptr;
+  return std::unique_ptr<RayWaves>(new RayWaves(tracer, camera, lights, std::move(*packet_lights), options));
+}
+
+void RayWaves::render(std::span<const PixelBlock> blocks, const Others& others, Film& film, RayCounts& rays) const {
+  Batch batch(*this, others, rays);
+  for (const PixelBlock& block : blocks) {
+    batch.start(block);
+    const bool full = batch.size() >= most_samples_a_batch;
+    if (!full && &block != &blocks.back()) continue;
+    batch.trace();
+    batch.add_to(film);
+    batch.clear();
+  }
+}
+
+// The camera's rays: one packet for each sample of the block.
+void RayWaves::Batch::start(const PixelBlock& block) {
+  const int width = block.x1 - block.x0;
+  const int used = width * (block.y1 - block.y0);
+  Lanes x, y;
+  for (int number = block.first_sample; number < block.last_sample; ++number) {
+    Wave& wave = open_wave();
+    wave.used = used;
+    for (int lane = 0; lane < lanes; ++lane) {
+      const auto i = static_cast<std::size_t>(lane);
+      const bool on = lane < used;
+      wave.rays.active[lane] = on ? -1 : 0;
+      wave.node[lane] = root;
+      wave.weight.set(i, Rgb(1));
+      Sample sample{block.x0 + std::min(lane, used - 1) % width, block.y0 + std::min(lane, used - 1) / width, number,
+                    1};
+      Vec2d offset(0);
+      if (!owner_.camera_.centred() && on) {
+        PixelSampler random(owner_.options_.seed, sample.x, sample.y, number);
+        const Filter::Position at = owner_.camera_.sub_pixel(random);
+        offset = at.offset;
+        sample.weight = at.weight;
+      }
+      x[i] = static_cast<float>(sample.x + 0.5 + offset.x);
+      y[i] = static_cast<float>(sample.y + 0.5 + offset.y);
+      wave.sample[lane] = static_cast<std::uint32_t>(samples_.size());
+      if (on) samples_.push_back(sample);
+    }
+    aim_camera(owner_.raster_, x, y, wave.rays);
+  }
+}
+
+RayWaves::Wave& RayWaves::Batch::open_wave() {
+  if (next_count_ == next_.size()) next_.emplace_back();
+  Wave& wave = next_[next_count_++];
+  wave.used = 0;
+  return wave;
+}
+
+void RayWaves::Batch::trace() {
+  count(rays_, RayPurpose::primary, 0, samples_.size());
+  for (depth_ = 0; next_count_ > 0; ++depth_) {
+    std::swap(now_, next_);
+    const std::size_t waves = std::exchange(next_count_, 0);
+    for (std::size_t i = 0; i < waves; ++i) {
+      for (int lane = now_[i].used; lane < lanes; ++lane) now_[i].rays.active[lane] = 0;
+      meet(now_[i]);
+    }
+    count(rays_, RayPurpose::reflection, depth_ + 1, std::exchange(reflections_, 0));
+    count(rays_, RayPurpose::refraction, depth_ + 1, std::exchange(refractions_, 0));
+  }
+}
+
+void RayWaves::Batch::add_to(Film& film) const {
+  PixelEstimate seen;
+  for (const Sample& s : samples_) {
+    seen.radiance = s.radiance;
+    film.add(s.x, s.y, seen, s.weight);
+  }
+}
+
+PixelSampler RayWaves::Batch::sampler(const Wave& wave, int lane) const {
+  const Sample& s = samples_[wave.sample[lane]];
+  PixelSampler random(owner_.options_.seed, s.x, s.y, s.number);
+  if (!owner_.camera_.centred()) random.skip(1);
+  return wave.node[lane] == root ? random : random.at_node(wave.node[lane]);
+}
+
+void RayWaves::Batch::meet(Wave& wave) {
+  Lit lit;
+  owner_.tracer_.nearest(wave.rays, lit.hits);
+  classify(wave, lit);
+  shine(lit);
+  if (lit.any_lit) light(wave, lit);
+  for (int lane = 0; lane < wave.used; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    if (lit.material[i] != nullptr) {
+      samples_[wave.sample[lane]].radiance += wave.weight.get(i) * lit.radiance.get(i);
+    }
+  }
+  if (depth_ < owner_.options_.max_depth && (lit.any_glass || lit.any_mirror)) go_on(wave, lit);
+}
+
+// Works out points and normals; what missed or is shaded by itself is settled here.
+void RayWaves::Batch::classify(const Wave& wave, Lit& lit) {
+  bool triangles = false, shapes = false;
+  for (int lane = 0; lane < wave.used; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    if (lit.hits.object[lane] == HitPacket::no_hit) {
+      const Vec3d direction(wave.rays.direction_x[lane], wave.rays.direction_y[lane], wave.rays.direction_z[lane]);
+      samples_[wave.sample[lane]].radiance += wave.weight.get(i) * owner_.lights_.environment().radiance(direction);
+      continue;
+    }
+    lit.material[i] = owner_.surfaces_.gather(lit.hits, lane, lit.triangles, lit.shapes);
+    if (lit.material[i] == nullptr) {
+      hand_over(wave, lane);
+      continue;
+    }
+    (lit.shapes.met[i] != 0 ? shapes : triangles) = true;
+  }
+  if (triangles) shade_points(wave.rays, lit.triangles, lit.points);
+  if (shapes && !triangles) shade_shapes(wave.rays, lit.shapes, lit.points);
+  if (shapes && triangles) {
+    PointLanes on_shapes;
+    shade_shapes(wave.rays, lit.shapes, on_shapes);
+    choose_points(lit.shapes.met, on_shapes, lit.points);
+  }
+  for (int lane = 0; lane < wave.used; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    // A shading normal turned away from the eye is bent back by the scalar way.
+    if (lit.material[i] == nullptr || lit.points.facing[i] > 0) continue;
+    lit.material[i] = nullptr;
+    hand_over(wave, lane);
+  }
+}
+
+void RayWaves::Batch::hand_over(const Wave& wave, int lane) {
+  const RayPacket& r = wave.rays;
+  const Ray ray{.origin = {r.origin_x[lane], r.origin_y[lane], r.origin_z[lane]},
+                .direction = normalize(Vec3d(r.direction_x[lane], r.direction_y[lane], r.direction_z[lane]))};
+  const Rgb weight = wave.weight.get(static_cast<std::size_t>(lane));
+  PixelSampler random = sampler(wave, lane);
+  samples_[wave.sample[lane]].radiance += weight * others_.trace(ray, weight, depth_, random, rays_);
+}
+
+// Emission, ambient light and what shadow rays may bring to each surface.
+void RayWaves::Batch::shine(Lit& lit) const {
+  const Rgb ambient = owner_.lights_.ambient();
+  for (std::size_t i = 0; i < lanes; ++i) {
+    lit.lit[i] = 0;
+    if (lit.material[i] == nullptr) continue;
+    const PacketMaterial& m = *lit.material[i];
+    Rgb radiance(0);
+    if (m.double_sided || lit.points.front[i] != 0) radiance = m.emission;
+    if (m.kind == PacketMaterial::Kind::glass) {
+      lit.any_glass = true;
+    } else {
+      const Rgb reflectance = m.reflectance[m.checker_size > 0 && on_second_colour(m, lit.points, i) ? 1 : 0];
+      radiance += ambient * reflectance;
+      lit.reflectance.set(i, reflectance * std::numbers::inv_pi_v<float>);
+      lit.lit[i] = is_black(reflectance) ? 0 : -1;
+      lit.any_lit = lit.any_lit || lit.lit[i] != 0;
+      lit.any_mirror = lit.any_mirror || !is_black(m.mirror);
+    }
+    lit.radiance.set(i, radiance);
+  }
+}
+
+// One shadow ray from each matt lane to each light.
+void RayWaves::Batch::light(const Wave& wave, Lit& lit) {
+  LightPoints drawn;
+  std::array<Rgb, lanes> passed;
+  for (std::size_t number = 0; number < owner_.packet_lights_.size(); ++number) {
+    const PacketLight& one = owner_.packet_lights_[number];
+    const bool is_fixed = one.kind != PacketLight::Kind::area || one.at_middle;
+    if (!is_fixed) draw_points(one, static_cast<int>(number), wave, lit, drawn);
+    const LightPoints& on_light = is_fixed ? owner_.fixed_points_[number] : drawn;
+    if (one.kind == PacketLight::Kind::area) {
+      aim_at_area(lit.points, on_light.lanes, lit.lit, lit.shadow, lit.geometry);
+    } else {
+      aim_at_point(lit.points, on_light.lanes, one.kind == PacketLight::Kind::far, one.inverse_square, one.range,
+                   lit.lit, lit.shadow, lit.geometry);
+    }
+    std::uint64_t cast = 0;
+    for (const std::int32_t a : lit.shadow.active) cast += a != 0 ? 1 : 0;
+    if (cast == 0) continue;
+    count(rays_, RayPurpose::shadow, depth_, cast);
+    owner_.shadow_.transmittance(lit.shadow, is_fixed && depth_ == 0, passed);
+    for (std::size_t i = 0; i < lanes; ++i) {
+      if (lit.shadow.active[i] == 0) continue;
+      lit.radiance.add(i, lit.reflectance.get(i) * on_light.radiance[i] * passed[i] * lit.geometry[i]);
+    }
+  }
+}
+
+// A random point of the light for each lane, the same as the scalar way draws.
+void RayWaves::Batch::draw_points(const PacketLight& light, int number, const Wave& wave, const Lit& lit,
+                                  LightPoints& points) const {
+  for (int lane = 0; lane < lanes; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    if (lit.lit[lane] == 0) continue;
+    PixelSampler random = sampler(wave, lane);
+    random.skip(number);  // each light draws one point
+    const Vec2d u = random.next_2d();
+    float choice = static_cast<float>(u.x);
+    const PacketLight::Triangle& t = light.choose(choice);
+    const float square_root = std::sqrt(choice);  // uniform over a triangle, as sample_triangle
+    const auto across = static_cast<float>(u.y);
+    points.set(i, t, t.v0 + (square_root * (1 - across)) * t.e1 + (square_root * across) * t.e2);
+  }
+}
+
+// The rays of the next wave.
+void RayWaves::Batch::go_on(const Wave& wave, const Lit& lit) {
+  BounceLanes reflected, refracted;
+  if (lit.any_glass) {
+    Lanes ior;
+    for (std::size_t i = 0; i < lanes; ++i) ior[i] = lit.material[i] != nullptr ? lit.material[i]->ior : 1.0F;
+    split_rays(wave.rays, lit.points, ior, reflected, refracted);
+  }
+  // Mirrors take the whole of the mirror image, which glass has scaled by Fresnel's term.
+  BounceLanes mirrored;
+  if (lit.any_mirror) reflect_rays(wave.rays, lit.points, mirrored);
+  for (int lane = 0; lane < wave.used; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    if (lit.material[i] == nullptr) continue;
+    const PacketMaterial& m = *lit.material[i];
+    if (m.kind == PacketMaterial::Kind::matt) {
+      if (!is_black(m.mirror)) follow(wave, lane, mirrored, m.mirror, false);
+      continue;
+    }
+    follow(wave, lane, reflected, Rgb(1), false);
+    follow(wave, lane, refracted, m.tint, true);
+  }
+}
+
+void RayWaves::Batch::follow(const Wave& wave, int lane, const BounceLanes& bounce, const Rgb& share, bool refracted) {
+  const auto i = static_cast<std::size_t>(lane);
+  if (!(bounce.chance[i] > 0)) return;
+  const Rgb weight = wave.weight.get(i) * share * bounce.chance[i];
+  if (is_black(weight) || max_component(weight) < owner_.options_.min_throughput) return;
+  if (next_count_ == 0 || next_[next_count_ - 1].used == lanes) open_wave();
+  Wave& to = next_[next_count_ - 1];
+  const auto k = static_cast<std::size_t>(to.used);
+  to.rays.origin_x[k] = bounce.origin.x[i];
+  to.rays.origin_y[k] = bounce.origin.y[i];
+  to.rays.origin_z[k] = bounce.origin.z[i];
+  to.rays.direction_x[k] = bounce.direction.x[i];
+  to.rays.direction_y[k] = bounce.direction.y[i];
+  to.rays.direction_z[k] = bounce.direction.z[i];
+  to.rays.t_min[k] = 0;
+  to.rays.t_max[k] = std::numeric_limits<float>::infinity();
+  to.rays.active[k] = -1;
+  to.weight.set(k, weight);
+  to.sample[k] = wave.sample[lane];
+  to.node[k] = 2 * wave.node[lane] + (refracted ? 1 : 0);
+  ++to.used;
+  ++(refracted ? refractions_ : reflections_);
+}
+
+}  // namespace penumbra
