@@ -102,36 +102,51 @@ void describe(const RenderArguments& arguments, const Camera& camera, const Rend
   image.metadata["partial"] = result.partial ? "true" : "false";
 }
 
+/// The share of particles that something did not happen to.
+double share_without(const ParticleFates& fates, std::uint64_t happened) {
+  return fates.shot > 0 ? 1 - static_cast<double>(happened) / static_cast<double>(fates.shot) : 1;
+}
+
+Report report_on(const ParticleFates& fates) {
+  return {{"shot", fates.shot},
+          {"met_eye", fates.met_eye},
+          {"never_met_eye_share", share_without(fates, fates.met_eye)},
+          {"seen", fates.seen},
+          {"never_seen_share", share_without(fates, fates.seen)}};
+}
+
 Report report_on(const RenderArguments& arguments, const RenderResult& result, const RayTracer& tracer,
                  const Seconds& seconds) {
   const RayCounts& rays = result.rays;
-  return {{"command", "render"},
-          {"version", PENUMBRA_VERSION},
-          {"scene", arguments.scene.source},
-          {"output", arguments.picture.path},
-          {"integrator", arguments.integrator},
-          {"seed", arguments.render.seed},
-          {"seconds",
-           {{"load", seconds.load},
-            {"build", seconds.build},
-            {"solve", seconds.solve},
-            {"render", seconds.render},
-            {"write", seconds.write}}},
-          {"rays",
-           {{"primary", rays.primary},
-            {"shadow", rays.shadow},
-            {"reflection", rays.reflection},
-            {"refraction", rays.refraction},
-            {"diffuse", rays.diffuse},
-            {"total", rays.total()}}},
-          {"rays_by_depth", rays.by_depth},
-          {"rays_per_second", rays_per_second(result)},
-          {"triangles", tracer.triangle_count()},
-          {"threads", thread_count()},
-          {"peak_rss_bytes", peak_memory()},
-          {"image",
-           {{"width", arguments.render.width}, {"height", arguments.render.height}, {"spp_mean", result.mean_samples}}},
-          {"partial", result.partial}};
+  Report report = {
+      {"command", "render"},
+      {"version", PENUMBRA_VERSION},
+      {"scene", arguments.scene.source},
+      {"output", arguments.picture.path},
+      {"integrator", arguments.integrator},
+      {"seed", arguments.render.seed},
+      {"seconds",
+       {{"load", seconds.load},
+        {"build", seconds.build},
+        {"solve", seconds.solve},
+        {"render", seconds.render},
+        {"write", seconds.write}}},
+      {"rays",
+       {{"primary", rays.primary},
+        {"shadow", rays.shadow},
+        {"reflection", rays.reflection},
+        {"refraction", rays.refraction},
+        {"diffuse", rays.diffuse},
+        {"total", rays.total()}}},
+      {"rays_by_depth", rays.by_depth},
+      {"rays_per_second", rays_per_second(result)},
+      {"triangles", tracer.triangle_count()},
+      {"threads", thread_count()},
+      {"peak_rss_bytes", peak_memory()},
+      {"image", {{"width", arguments.render.width}, {"height", arguments.render.height}, {"spp_mean", result.mean_samples}}},
+      {"partial", result.partial}};
+  if (result.particles) report["particles"] = report_on(*result.particles);
+  return report;
 }
 
 void say_result(const RenderArguments& arguments, const RenderResult& result, Console& console) {
@@ -142,6 +157,13 @@ void say_result(const RenderArguments& arguments, const RenderResult& result, Co
   console.say(fmt::format("{}: {}x{}, {:.4g} samples a pixel ({}), {:.2f} s, {:.2f} Mrays/s", arguments.picture.path,
                           arguments.render.width, arguments.render.height, result.mean_samples, arguments.integrator,
                           result.seconds, rays_per_second(result) / 1e6));
+  if (result.particles) {
+    const ParticleFates& fates = *result.particles;
+    console.say(fmt::format(
+        "of {} particles {} came into the eye's pupil by themselves ({:.6g} % never did); joined to the eye by a ray, "
+        "{:.4g} % were never seen",
+        fates.shot, fates.met_eye, 100 * share_without(fates, fates.met_eye), 100 * share_without(fates, fates.seen)));
+  }
 }
 
 int render_picture(const RenderArguments& arguments) {

@@ -15,8 +15,10 @@ constexpr int usual_samples_by_noise = 4096;
 constexpr int most_samples = 1 << 24;  // what render() takes
 constexpr int most_segments = std::numeric_limits<int>::max();
 
-const std::vector<std::pair<std::string, IntegratorKind>> integrators{
-    {"appel", IntegratorKind::appel}, {"whitted", IntegratorKind::whitted}, {"path", IntegratorKind::path}};
+const std::vector<std::pair<std::string, IntegratorKind>> integrators{{"appel", IntegratorKind::appel},
+                                                                      {"whitted", IntegratorKind::whitted},
+                                                                      {"path", IntegratorKind::path},
+                                                                      {"light", IntegratorKind::light}};
 const std::vector<std::pair<std::string, std::optional<IntegratorKind>>> integrator_choices = [] {
   std::vector<std::pair<std::string, std::optional<IntegratorKind>>> all(integrators.begin(), integrators.end());
   all.emplace_back("radiosity", std::nullopt);
@@ -84,15 +86,18 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
   parser.value(
       "--integrator", "NAME",
       "appel (primary and shadow rays), whitted (adds reflection and refraction), path (the reference: all light "
-      "paths), radiosity (a diffuse solution, see below) or two-pass (that light, and mirrors and glass) (default: "
-      "whitted)",
+      "paths), light (particles from the lamps), radiosity (a diffuse solution, see below) or two-pass (that light, "
+      "and mirrors and glass) (default: whitted)",
       [&](const OptionValue& v) {
         const auto kind = choice<std::optional<IntegratorKind>>(v, integrator_choices);
         options.integrator = kind.value_or(options.integrator);
         arguments.integrator = v.text;
       });
   parser.value(
-      "--spp", "N", "samples a pixel, at most with --noise (default: 4; 64 for path; 4096 with --noise)",
+      "--spp", "N",
+      "samples a pixel, at most with --noise; particles a pixel for light (default: 4; 64 for path and light; 4096 "
+      "with "
+      "--noise)",
       [&](const OptionValue& v) { given.samples = static_cast<int>(whole_number(v, 1, most_samples, "samples")); });
   parser.value(
       "--noise", "X",
@@ -154,7 +159,8 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   const bool two_pass = integrator == "two-pass";
   const bool path = !radiosity && !two_pass && options.integrator == IntegratorKind::path;
   const bool appel = !radiosity && !two_pass && options.integrator == IntegratorKind::appel;
-  const int usual = options.noise > 0 ? usual_samples_by_noise : path ? usual_path_samples : usual_samples;
+  const bool light = !radiosity && !two_pass && options.integrator == IntegratorKind::light;
+  const int usual = options.noise > 0 ? usual_samples_by_noise : path || light ? usual_path_samples : usual_samples;
   options.samples_per_pixel = given.samples.value_or(usual);
   if (options.noise > 0 && options.samples_per_pixel < 32) {
     throw UsageError("--noise needs some samples to judge by; raise --spp to 32 or more, or leave it away");
@@ -168,6 +174,10 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   if (!two_pass && given.final_gather) refuse("--final-gather", "which gathers no light from a solution");
   if (appel && given.max_depth) refuse("--max-depth", "which follows no reflection or refraction");
   if (appel && given.min_throughput) refuse("--min-throughput", "which follows no reflection or refraction");
+  if (light && given.min_throughput) refuse("--min-throughput", "whose particles die by chance after three bounces");
+  if (light && options.noise > 0) refuse("--noise", "whose particles go where the light does");
+  if (light && options.filter != FilterKind::box) refuse("--filter", "whose pixels count particles");
+  if (light && !options.aovs.empty()) refuse("--aov", "which sends no rays from the eye");
   options.final_gather = given.final_gather.value_or(0);
   options.max_depth = given.max_depth.value_or(options.max_depth);
   options.min_throughput = given.min_throughput.value_or(options.min_throughput);

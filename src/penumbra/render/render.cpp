@@ -12,6 +12,7 @@
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/render/active_blocks.h"
 #include "penumbra/render/integrator.h"
+#include "penumbra/render/light_tracing.h"
 #include "penumbra/render/radiosity_view.h"
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/render/two_pass.h"
@@ -56,6 +57,8 @@ std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const Camer
       return make_whitted(tracer, camera, options);
     case IntegratorKind::path:
       return make_path(tracer, camera, options);
+    case IntegratorKind::light:
+      break;  // not from the eye
   }
   throw std::invalid_argument("unknown integrator");
 }
@@ -234,6 +237,7 @@ RenderResult draw(const Integrator& integrator, const RenderOptions& options, co
 RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
                     const Progress& progress) {
   check(options);
+  if (options.integrator == IntegratorKind::light) return trace_light(tracer, camera, options, progress);
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
   return draw(*make_integrator(tracer, rays, options), options, progress, began);

@@ -18,6 +18,7 @@ enum class IntegratorKind {
   appel,    ///< primary rays and shadow rays (Appel 1968)
   whitted,  ///< the recursion of Whitted 1979
   path,     ///< path tracing, the reference
+  light,    ///< from the lights, see trace_light()
 };
 
 enum class FilterKind { box, tent, gaussian, mitchell, blackman_harris };
@@ -69,12 +70,21 @@ struct RayCounts {
   [[nodiscard]] std::uint64_t total() const { return primary + shadow + reflection + refraction + diffuse; }
 };
 
+/// What became of the particles that the lights sent out.
+struct ParticleFates {
+  static constexpr double pupil_radius = 0.002;  ///< m, of a person's eye by daylight
+  std::uint64_t shot = 0;
+  std::uint64_t met_eye = 0;  ///< came through the picture's frame into the pupil by themselves
+  std::uint64_t seen = 0;     ///< or their lamp, or a surface that they met, was seen by a ray to the eye
+};
+
 struct RenderResult {
   Image image;  ///< scene-linear radiance R, G, B, then the layers asked for, named "layer.C"
   RayCounts rays;
   double mean_samples = 0;  ///< samples per pixel actually taken
   bool partial = false;     ///< stopped or out of time before all samples were done
   double seconds = 0;
+  std::optional<ParticleFates> particles;  ///< when light was traced from the lights
 };
 
 /// Draws a picture. Bit-identical for any number of threads, given the same options (unless a time limit or a stop cuts

@@ -6,8 +6,6 @@
 #include <numbers>
 
 #include "penumbra/math/sampling.h"
-#include "penumbra/tracing/opacity.h"
-#include "penumbra/tracing/shading/surface_material.h"
 #include "penumbra/tracing/shape_intersection.h"
 
 namespace penumbra {
@@ -23,18 +21,6 @@ constexpr std::uint32_t no_light = 0xFFFFFFFFU;
 // Rounding of a point on a light: its shadow ray ends before it.
 Vec3d rounding(const Vec3d& p, double size) { return rounding_error(largest_component(p) + size); }
 
-struct WorldTriangle {
-  Vec3d v0, e1, e2;
-  [[nodiscard]] Vec3d area_normal() const { return 0.5 * cross(e1, e2); }
-};
-
-WorldTriangle world_triangle(const Instance& instance, const Mesh& mesh, std::uint32_t triangle) {
-  const Mesh::Triangle& c = mesh.triangles[triangle];
-  const Vec3d v0 = transform_point(instance.to_world, mesh.positions[c[0]]);
-  return {v0, transform_point(instance.to_world, mesh.positions[c[1]]) - v0,
-          transform_point(instance.to_world, mesh.positions[c[2]]) - v0};
-}
-
 std::size_t find_cell(const std::vector<double>& cdf, double u) {
   const auto above = std::upper_bound(cdf.begin(), cdf.end(), u);
   const auto cell = above - cdf.begin() - 1;
@@ -43,43 +29,22 @@ std::size_t find_cell(const std::vector<double>& cdf, double u) {
 
 bool is_lamp(const Material& m) { return m.emits() && !m.unlit; }
 
-// What a point of a lamp shines in the mean over the rays that meet it: nothing in the holes of a mask, in part where
-// it is blended with what lies behind.
-Rgb emission_at(const Scene& scene, const SurfacePoint& light) {
-  const Material& m = scene.materials[light.material];
-  Rgb emission = m.emission;
-  if (m.emission_texture) emission = surface_material(scene, light).emission;
-  if (m.alpha_mode == AlphaMode::opaque) return emission;
-  const float alpha = surface_alpha(scene, m, light.uv, light.colour.w);
-  if (m.alpha_mode == AlphaMode::blend) return alpha * emission;
-  return alpha >= m.alpha_cutoff ? emission : Rgb(0);
-}
-
 double sides(const Material& m) { return m.double_sided ? 2.0 : 1.0; }
 
-double shape_area(const Shape& shape) {
-  if (const auto* s = std::get_if<Sphere>(&shape)) return 4 * pi * s->radius * s->radius;
-  if (const auto* d = std::get_if<Disk>(&shape)) return pi * d->radius * d->radius;
-  if (const auto* c = std::get_if<Cylinder>(&shape)) return 2 * pi * c->radius * length(c->top - c->base);
-  return 0;
-}
+}  // namespace
 
-// The range window of KHR_lights_punctual: smooth to 0 at the range.
 double range_window(double distance, double range) {
   if (!std::isfinite(range)) return 1;
   const double q = distance / range;
   return std::clamp(1 - q * q * q * q, 0.0, 1.0);
 }
 
-// The cone of KHR_lights_punctual: squared smooth step of the angle's cosine between outer and inner angle.
 double spot_window(const SpotLight& spot, const Vec3d& from_light) {
   const double outer = std::cos(spot.outer_angle);
   const double scale = 1 / std::max(0.001, std::cos(spot.inner_angle) - outer);
   const double a = std::clamp((dot(spot.direction, from_light) - outer) * scale, 0.0, 1.0);
   return a * a;
 }
-
-}  // namespace
 
 bool emits_towards(const Material& material, const Vec3d& geometric_normal, const Vec3d& direction) {
   return material.double_sided || dot(geometric_normal, direction) > 0;
@@ -270,7 +235,7 @@ std::optional<LightSample> LightSampler::sample_light(std::size_t light, const S
     case Kind::punctual:
       return sample_punctual(source, from);
     case Kind::mesh:
-      return sample_mesh(source, from, u);
+      return sample_lamp(light, from, u);
     case Kind::shape:
       return sample_shape(source, from, u);
     case Kind::environment:
@@ -301,6 +266,18 @@ std::optional<LightSample> LightSampler::sample_middle(std::size_t light, const 
                        ? scene_->meshes[scene_->instances[source.index].mesh].material_of(source.triangles.front())
                        : scene_->shapes[source.index - scene_->instances.size()].material;
   return towards(from, point, 1 / middle.area);
+}
+
+std::optional<LampPoint> LightSampler::sample_point(std::size_t light, Vec2d u) const {
+  const Source& source = lights_[light];
+  if (source.kind == Kind::shape) return point_on_shape(*scene_, source.index, u);
+  if (source.kind != Kind::mesh) return std::nullopt;
+  const std::size_t cell = find_cell(source.cdf, u.x);
+  const double chance = source.cdf[cell + 1] - source.cdf[cell];
+  u.x = std::clamp((u.x - source.cdf[cell]) / chance, 0.0, 1.0);  // the part of u left over is uniform again
+  LampPoint at = point_on_triangle(*scene_, source.index, source.triangles[cell], u);
+  at.density *= chance;
+  return at;
 }
 
 std::optional<LightSample> LightSampler::sample(const SurfacePoint& from, double u_light, const Vec2d& u,
@@ -376,42 +353,16 @@ std::optional<LightSample> LightSampler::towards(const SurfacePoint& from, const
   return s;
 }
 
-std::optional<LightSample> LightSampler::sample_mesh(const Source& source, const SurfacePoint& from, Vec2d u) const {
-  const std::size_t cell = find_cell(source.cdf, u.x);
-  const double chance = source.cdf[cell + 1] - source.cdf[cell];
-  u.x = std::clamp((u.x - source.cdf[cell]) / chance, 0.0, 1.0);  // the part of u left over is uniform again
-  return sample_triangle_of(source, cell, chance, from, u);
+std::optional<LightSample> LightSampler::sample_lamp(std::size_t light, const SurfacePoint& from,
+                                                     const Vec2d& u) const {
+  const auto at = sample_point(light, u);
+  return at ? towards(from, at->point, at->density) : std::nullopt;
 }
 
 std::optional<LightSample> LightSampler::sample_triangle_of(const Source& source, std::size_t part, double chance,
                                                             const SurfacePoint& from, const Vec2d& u) const {
-  const Instance& instance = scene_->instances[source.index];
-  const Mesh& mesh = scene_->meshes[instance.mesh];
-  const std::uint32_t number = source.triangles[part];
-  const WorldTriangle triangle = world_triangle(instance, mesh, number);
-  const Vec2d b = sample_triangle(u);
-
-  SurfacePoint light;
-  light.position = triangle.v0 + b.x * triangle.e1 + b.y * triangle.e2;
-  light.error = rounding(light.position, std::max(length(triangle.e1), length(triangle.e2)));
-  const Vec3d normal = triangle.area_normal() * (is_mirroring(instance.to_world) ? -1.0 : 1.0);
-  const double area = length(normal);
-  light.geometric_normal = light.shading_normal = normal / area;
-  light.object = source.index;
-  light.primitive = number;
-  light.material = mesh.material_of(number);
-  const Mesh::Triangle& c = mesh.triangles[number];
-  for (int set = 0; set < 2; ++set) {
-    const auto& uv = mesh.uv[set];
-    if (uv.empty()) continue;
-    light.uv[set] = static_cast<float>(1 - b.x - b.y) * uv[c[0]] + static_cast<float>(b.x) * uv[c[1]] +
-                    static_cast<float>(b.y) * uv[c[2]];
-  }
-  if (!mesh.colours.empty()) {
-    light.colour = static_cast<float>(1 - b.x - b.y) * mesh.colours[c[0]] +
-                   static_cast<float>(b.x) * mesh.colours[c[1]] + static_cast<float>(b.y) * mesh.colours[c[2]];
-  }
-  return towards(from, light, chance / area);
+  const LampPoint at = point_on_triangle(*scene_, source.index, source.triangles[part], u);
+  return towards(from, at.point, chance * at.density);
 }
 
 std::optional<LightSample> LightSampler::sample_shape(const Source& source, const SurfacePoint& from,
@@ -444,25 +395,9 @@ std::optional<LightSample> LightSampler::sample_shape(const Source& source, cons
       s.shadow_ray = segment(from, light);
       return s;
     }
-    light.geometric_normal = sample_sphere(u);
-    light.position = sphere->centre + sphere->radius * light.geometric_normal;
-  } else if (const auto* disk = std::get_if<Disk>(&object.shape)) {
-    const Frame frame(disk->normal);
-    const Vec2d d = disk->radius * sample_disk(u);
-    light.geometric_normal = disk->normal;
-    light.position = disk->centre + d.x * frame.tangent + d.y * frame.bitangent;
-  } else if (const auto* cylinder = std::get_if<Cylinder>(&object.shape)) {
-    const Vec3d axis = cylinder->top - cylinder->base;
-    const Frame frame(normalize(axis));
-    light.geometric_normal = std::cos(2 * pi * u.y) * frame.tangent + std::sin(2 * pi * u.y) * frame.bitangent;
-    light.position = cylinder->base + u.x * axis + cylinder->radius * light.geometric_normal;
-  } else {
-    return std::nullopt;
   }
-  light.shading_normal = light.geometric_normal;
-  light.error = rounding(light.position, 0);
-  light.uv[0] = light.uv[1] = shape_point(object.shape, light.position).uv;
-  return towards(from, light, 1 / shape_area(object.shape));
+  const auto at = point_on_shape(*scene_, source.index, u);
+  return at ? towards(from, at->point, at->density) : std::nullopt;
 }
 
 // Of an environment of one colour, only the surface's own cosine says which directions matter.

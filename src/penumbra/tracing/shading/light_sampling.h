@@ -6,6 +6,7 @@
 
 #include "penumbra/tracing/hit.h"
 #include "penumbra/tracing/shading/environment_map.h"
+#include "penumbra/tracing/shading/lamp_points.h"
 #include "penumbra/tracing/shading/light_tree.h"
 
 namespace penumbra {
@@ -66,6 +67,9 @@ class LightSampler {
   /// Whether `sample_middle` can stand for a light: punctual ones, disks, spheres and flat meshes of few triangles.
   [[nodiscard]] bool has_middle(std::size_t light) const;
 
+  /// A point of a lamp, of a mesh's in proportion to emitted power; none for lights without a body.
+  [[nodiscard]] std::optional<LampPoint> sample_point(std::size_t light, Vec2d u) const;
+
   /// A direction towards a light chosen among all, as above; the pdf and the weight include the choice.
   [[nodiscard]] std::optional<LightSample> sample(const SurfacePoint& from, double u_light, const Vec2d& u,
                                                   const Vec3d& facing = Vec3d(0)) const;
@@ -90,7 +94,8 @@ class LightSampler {
   [[nodiscard]] LightTree::Emitter emitter(const Source& source, std::size_t part) const;
 
   [[nodiscard]] std::optional<LightSample> sample_punctual(const Source& source, const SurfacePoint& from) const;
-  [[nodiscard]] std::optional<LightSample> sample_mesh(const Source& source, const SurfacePoint& from, Vec2d u) const;
+  [[nodiscard]] std::optional<LightSample> sample_lamp(std::size_t light, const SurfacePoint& from,
+                                                       const Vec2d& u) const;
   [[nodiscard]] std::optional<LightSample> sample_triangle_of(const Source& source, std::size_t part, double chance,
                                                               const SurfacePoint& from, const Vec2d& u) const;
   [[nodiscard]] std::optional<LightSample> sample_shape(const Source& source, const SurfacePoint& from,
@@ -122,6 +127,13 @@ class LightSampler {
   std::vector<double> far_cdf_;                               ///< chances of theirs, from 0 to far_chance_
   double far_chance_ = 0;
 };
+
+/// The share of a punctual light that is left at a distance (m): KHR_lights_punctual's smooth fall to 0 at the range.
+[[nodiscard]] double range_window(double distance, double range);
+
+/// The share of a spot's intensity in a direction (unit, away from it): KHR_lights_punctual's squared ramp of the
+/// angle's cosine between outer and inner angle.
+[[nodiscard]] double spot_window(const SpotLight& spot, const Vec3d& from_light);
 
 /// Whether an emissive point sends light towards `direction` (unit, away from it), by the rule of sides: from the
 /// front, and from the back when its material is double-sided.
