@@ -4,6 +4,7 @@
 #include "console.h"
 #include "exit_code.h"
 #include "interrupt.h"
+#include "penumbra/image/layer_picture.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/uniform.h"
@@ -93,7 +94,7 @@ Drawn draw(const RenderArguments& arguments, const RayTracer& tracer, const Came
 }
 
 void describe(const RenderArguments& arguments, const Camera& camera, const RenderResult& result, Image& image) {
-  image.metadata = camera_metadata(camera);
+  image.metadata.merge(camera_metadata(camera));
   image.metadata["renderer"] = "penumbra " PENUMBRA_VERSION;
   image.metadata["scene"] = arguments.scene.source;
   image.metadata["integrator"] = arguments.integrator;
@@ -192,6 +193,7 @@ int render_picture(const RenderArguments& arguments) {
   seconds.render = render_watch.seconds() - solve_seconds;
 
   const Stopwatch write_watch;
+  if (arguments.show) result.image = layer_picture(result.image, *arguments.show);
   describe(arguments, camera, result, result.image);
   write_picture(arguments.picture, std::move(result.image));
   seconds.write = write_watch.seconds();

@@ -78,6 +78,14 @@ void add_picture_shape_options(OptionParser& parser, RenderArguments& arguments)
       "layers to add to an .exr, with commas between: albedo, normal, depth (m), position (m), object, direct, "
       "indirect, variance, rays (default: none)",
       [&](const OptionValue& v) { options.aovs = aovs(v); });
+  parser.value(
+      "--show", "LAYER",
+      "draw this layer in place of the colour: counts and distances in grey from 0 to the largest (default: the "
+      "colour)",
+      [&](const OptionValue& v) {
+        (void)choice<Aov>(v, layers);
+        arguments.show = v.text;
+      });
 }
 
 void add_method_options(OptionParser& parser, RenderArguments& arguments, Given& given) {
@@ -231,6 +239,12 @@ std::optional<RenderArguments> parse_render_arguments(const std::vector<std::str
   result.render.seed = result.common.seed;
   result.render.front_sides_only = result.scene.front_sides_only;
   check_all(result);
+  if (result.show) {
+    if (result.render.integrator == IntegratorKind::light && !result.needs_solution()) {
+      throw UsageError("--show does not apply to --integrator light, which sends no rays from the eye; leave it away");
+    }
+    result.render.aovs.push_back(choice<Aov>({"--show", *result.show}, layers));
+  }
   return result;
 }
 

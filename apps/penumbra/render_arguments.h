@@ -24,6 +24,7 @@ struct RenderArguments {
   RenderOptions render;
   ShadowOptions shadows;
   CommonOptions common;
+  std::optional<std::string> show;      ///< a layer to be drawn in place of the colour
   std::string integrator = "whitted";   ///< as the user named it
   RadiosityOptions radiosity;           ///< of --integrator radiosity and two-pass
   std::optional<std::string> solution;  ///< an .npz that `bake` wrote, to be shown instead of solving

@@ -83,6 +83,7 @@ const BadUsage bad_usages[] = {
     {"SamplesOverflow", {"render", box, "-o", "OUT.png", "--spp", "99999999999999999999"}, {"--spp"}},
     {"ThreadsZero", {"render", box, "-o", "OUT.png", "--threads", "0"}, {"--threads", "from 1"}},
     {"UnknownIntegrator", {"render", box, "-o", "OUT.png", "--integrator", "pth"}, {"pth", "did you mean path?"}},
+    {"UnknownLayerShown", {"render", box, "-o", "OUT.png", "--show", "ray"}, {"--show", "did you mean rays?"}},
     {"NoiseTargetOfParticles",
      {"render", box, "-o", "OUT.png", "--integrator", "light", "--noise", "0.1"},
      {"--noise", "light"}},

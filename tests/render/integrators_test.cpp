@@ -240,6 +240,31 @@ TEST(Layers, TellTheFirstSurface) {
   }
 }
 
+// Where the rays go: the layer's pixels sum to the report's count.
+TEST(Layers, RaysAddUpToTheCount) {
+  Scene scene;
+  add_mesh(scene, rectangle({-10, 0, 10}, {20, 0, 0}, {0, 0, -20}), matt({0.5F, 0.3F, 0.1F}));
+  add_shape(scene, Sphere{{0, 1, 0}, 1}, glass(1.5F));
+  add_shape(scene, Disk{{0, 5, 0}, {0, -1, 0}, 1}, glow(Rgb(4)));
+  const RayTracer tracer(scene);
+  const Camera camera{.name = "", .to_world = look_at({0, 2, 8}, {0, 1, 0}, {0, 1, 0}), .lens = PerspectiveLens{1.0}};
+  for (RenderOptions options : {appel(4), whitted(4), path(4)}) {
+    options.width = options.height = 16;
+    options.max_depth = options.integrator == IntegratorKind::whitted ? 4 : 0;
+    options.aovs = {Aov::rays};
+    const RenderResult result = render(tracer, camera, options);
+    double sum = 0;
+    for (int y = 0; y < 16; ++y) {
+      for (int x = 0; x < 16; ++x) sum += 4.0 * result.image.pixel(x, y)[3];
+    }
+    EXPECT_NEAR(sum, static_cast<double>(result.rays.total()), 1e-3);
+    std::uint64_t by_depth = 0;
+    for (const std::uint64_t n : result.rays.by_depth) by_depth += n;
+    EXPECT_EQ(by_depth, result.rays.total());
+    EXPECT_EQ(result.rays.primary, 16U * 16 * 4);
+  }
+}
+
 TEST(Layers, DepthIsMeasuredFromTheEyeThroughBlendedSheets) {
   Scene scene;
   Material sheet = matt(Rgb(1));

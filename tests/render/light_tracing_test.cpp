@@ -76,7 +76,7 @@ TEST(LightTracing, LightsWithoutABody) {
     scene.lights.push_back(light);
     return scene;
   };
-  const Camera camera = looking({0, 1, 2}, {0, 0, 0}, 0.3);
+  const Camera camera = looking({0, 1.2, 0.5}, {0, 0, 0}, 0.3);
   PointLight point;
   point.position = {0.5, 2, 0};
   point.intensity = Rgb(7);
@@ -196,13 +196,19 @@ TEST(LightTracing, CountsWhatMeetsTheEyeByItself) {
   ASSERT_TRUE(result.particles);
   const double shot = 64.0 * 64 * 64;
   EXPECT_EQ(result.particles->shot, static_cast<std::uint64_t>(shot));
-  EXPECT_EQ(result.particles->seen, result.particles->shot);  // each one's lamp is in view
+  EXPECT_EQ(result.particles->seen, 0U);  // they meet no surface
   const double share = r * r / (d * d + r * r);
   EXPECT_NEAR(static_cast<double>(result.particles->met_eye), shot * share, 4 * std::sqrt(shot * share));
   // Looking away it meets none.
   const RenderResult away = render(tracer, looking({0, 0, d}, {0, 0, 1}, 1.0), particles(64, 4));
   EXPECT_EQ(away.particles->met_eye, 0U);
-  EXPECT_EQ(away.particles->seen, 0U);
+  // A wall behind the eye, which it does not see; then a wall that it does.
+  add_mesh(scene, rectangle({-9, -9, 2}, {0, 18, 0}, {18, 0, 0}), matt(Rgb(0.5F)));
+  const RayTracer walled(scene);
+  EXPECT_EQ(render(walled, looking({0, 0, d}, {0, 0, 0}, 1.0), particles(64, 4)).particles->seen, 0U);
+  const ParticleFates fates = *render(walled, looking({0, 0, d}, {0, 0, 1}, 2.5), particles(64, 4)).particles;
+  EXPECT_GT(fates.seen, fates.shot / 2);
+  EXPECT_LE(fates.seen, fates.shot);
 }
 
 TEST(LightTracingThreaded, TheSameBitsOnAnyNumberOfThreads) {

@@ -260,5 +260,19 @@ TEST(SoftShadowsThreaded, TheSameBitsOnAnyNumberOfThreadsAndInARegion) {
   }
 }
 
+TEST(SoftShadowsThreaded, AdaptiveSamplingDrawsTheSameBitsOnAnyNumberOfThreads) {
+  const Stage stage = builtin("cornell-spheres");
+  const RayTracer tracer(stage.scene);
+  RenderOptions options = selective(picture(24, 48), 4);
+  options.noise = 0.2;
+  const auto draw = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return render(tracer, stage.camera, options);
+  };
+  const RenderResult one = draw(1);
+  EXPECT_LT(one.mean_samples, 48);
+  for (const int threads : {2, 8}) EXPECT_EQ(draw(threads).image.data, one.image.data);
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -147,6 +147,27 @@ TEST(TwoPass, ThreadedTheSameBits) {
   }
 }
 
+// Adaptive sampling decides by sums of samples, which must not depend on threads either.
+TEST(TwoPass, ThreadedAdaptiveSamplingDrawsTheSameBits) {
+  const Lit lit(make_builtin_scene("cornell-box"), 120, "hemicube", 16);
+  const RadiosityView view(lit.setup->mesh, lit.solved.solution.irradiance, lit.scene);
+  RenderOptions options;
+  options.width = options.height = 24;
+  options.samples_per_pixel = 48;
+  options.noise = 0.3;
+  std::vector<float> first[2];
+  for (const int threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    const Camera& camera = lit.scene.cameras.at(0);
+    const RenderResult both[2] = {render(*lit.tracer, *lit.light, camera, options), render(view, camera, options)};
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_LT(both[k].mean_samples, 48);
+      if (first[k].empty()) first[k] = both[k].image.data;
+      EXPECT_EQ(both[k].image.data, first[k]) << threads;
+    }
+  }
+}
+
 // The reference cannot find caustics well: light of the lamp by the glass on the floor and by the mirror on the walls
 // is where the two may differ most. The mean is not touched by that much.
 TEST(TwoPass, SlowCornellSpheresAgreeWithPathTracing) {

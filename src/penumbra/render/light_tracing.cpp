@@ -75,10 +75,10 @@ class LightTracer {
   void follow(PixelSampler& sampler, Batch& out) const;
   void walk_on(Walk& walk, PixelSampler& sampler, Batch& out) const;
   [[nodiscard]] bool meets_eye(const Ray& ray, double distance) const;
-  [[nodiscard]] bool show_lamp(const LightEmission::Origin& origin, Batch& out) const;
+  void show_lamp(const LightEmission::Origin& origin, Batch& out) const;
   [[nodiscard]] bool show_surface(const Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, Batch& out) const;
-  [[nodiscard]] bool show(const Rgb& intensity, const Vec3d& to_eye, const Ray& way, int depth, double importance_scale,
-                          Batch& out) const;
+  bool show(const Rgb& intensity, const Vec3d& to_eye, const Ray& way, int depth, double importance_scale,
+            Batch& out) const;
   [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler,
                             Batch& out) const;
 
@@ -97,7 +97,7 @@ void LightTracer::follow(PixelSampler& sampler, Batch& out) const {
   const auto origin = emission_.sample_origin(u_light, sampler.next_2d());
   if (!origin) return;
   Walk walk;
-  walk.seen = show_lamp(*origin, out);
+  show_lamp(*origin, out);
   const double u_side = sampler.next_1d();
   const LightEmission::Particle particle = emission_.sample_direction(*origin, u_side, sampler.next_2d());
   walk.ray = particle.ray;
@@ -152,22 +152,22 @@ bool LightTracer::meets_eye(const Ray& ray, double distance) const {
 }
 
 // The lamp itself, as the eye sees it.
-bool LightTracer::show_lamp(const LightEmission::Origin& origin, Batch& out) const {
+void LightTracer::show_lamp(const LightEmission::Origin& origin, Batch& out) const {
   const auto weight = static_cast<float>(origin.inverse_chance);
   if (!origin.point) {
-    if (is_black(origin.radiance)) return false;
+    if (is_black(origin.radiance)) return;
     const Ray way{.origin = eye_.eye(), .direction = origin.direction};
-    return show(weight * origin.radiance, -origin.direction, way, 0, 1, out);
+    show(weight * origin.radiance, -origin.direction, way, 0, 1, out);
+    return;
   }
   const SurfacePoint& point = *origin.point;
   const Vec3d way = eye_.eye() - point.position;
   const double distance = length(way);
-  if (!(distance > 0)) return false;
+  if (!(distance > 0)) return;
   const Vec3d to_eye = way / distance;
   const double cosine = dot(point.geometric_normal, to_eye);
-  if (!emits_towards(tracer_.scene().materials[point.material], point.geometric_normal, to_eye)) return false;
-  return show(weight * origin.radiance, to_eye, segment(point, eye_.eye()), 0, std::abs(cosine) / (distance * distance),
-              out);
+  if (!emits_towards(tracer_.scene().materials[point.material], point.geometric_normal, to_eye)) return;
+  show(weight * origin.radiance, to_eye, segment(point, eye_.eye()), 0, std::abs(cosine) / (distance * distance), out);
 }
 
 // What a surface sends to the eye of a particle's light. Interpolated normals weigh light by their own cosine where it

@@ -75,7 +75,7 @@ struct ParticleFates {
   static constexpr double pupil_radius = 0.002;  ///< m, of a person's eye by daylight
   std::uint64_t shot = 0;
   std::uint64_t met_eye = 0;  ///< came through the picture's frame into the pupil by themselves
-  std::uint64_t seen = 0;     ///< or their lamp, or a surface that they met, was seen by a ray to the eye
+  std::uint64_t seen = 0;     ///< met a surface that a ray to the eye then showed in the picture
 };
 
 struct RenderResult {

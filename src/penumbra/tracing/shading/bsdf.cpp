@@ -52,6 +52,11 @@ Bsdf::Bsdf(const SurfaceMaterial& material, const Frame& shading, const Vec3d& g
   has_specular_ = metal_ > 0 || transparent_ > 0 || material_.specular > 0;
   ideal_transmission_ = ideal_ || (!material_.thin_walled && !bends());
 
+  // The table is of the plain interface: what a tint or a weight of the reflection loses is another matter.
+  keeps_glass_ = transparent_ > 0 && !ideal_ && (material_.thin_walled || bends()) && material_.ior >= 1 &&
+                 material_.specular == 1 && material_.specular_colour == Rgb(1);
+  if (keeps_glass_ && !material_.thin_walled) glass_ = RoughGlass(material_.roughness, material_.ior);
+
   if (metal_ > 0 && !ideal_) {
     lost_mean_ = 1 - specular_albedo_mean(material_.roughness).of(1, 1);
     // The geometric series of Kulla & Conty 2017: each further bounce loses by the mean Fresnel term and is let out by
@@ -213,12 +218,38 @@ Rgb Bsdf::rough_transmission(const Pair& pair) const {
   return transmitted_weight(std::min(1.0, r.cos_o), pair.from_front) * static_cast<float>(spread);
 }
 
+double Bsdf::lost_in_glass(bool outside, double cos_theta) const {
+  return material_.thin_walled ? lost_once(cos_theta) : glass_.lost(outside, cos_theta);
+}
+
+// What the facets of the transparent share lose at first: matt on both sides, by what each direction loses.
+Rgb Bsdf::scattered_again_in_glass(const Pair& pair) const {
+  const bool outside_i = pair.from_front != pair.transmitted;
+  const double mean_lost =
+      material_.thin_walled ? 1 - specular_albedo_mean(material_.roughness).of(1, 1) : glass_.mean_lost(outside_i);
+  if (!(mean_lost > 0)) return Rgb(0);
+  const double lobe =
+      lost_in_glass(pair.from_front, pair.wo.z) * lost_in_glass(outside_i, std::abs(pair.wi.z)) / (pi * mean_lost);
+  const double share = share_reflected_again(pair.from_front);
+  const Rgb part = pair.transmitted ? static_cast<float>((1 - share) * lobe) * material_.base_colour
+                                    : Rgb(static_cast<float>(share * lobe));
+  return transparent_ * remaining_ * part;
+}
+
+/// Of light scattered again in glass, the share that comes out on the side where it came from.
+double Bsdf::share_reflected_again(bool outside) const {
+  if (!material_.thin_walled) return glass_.reflected(outside);
+  const double once = fresnel_diffuse_external(material_.ior);
+  return 2 * once / (1 + once);  // both faces
+}
+
 Rgb Bsdf::evaluate_lobes(const Pair& pair, bool with_glossy, bool ideal_layer) const {
-  if (pair.transmitted) {
-    return with_glossy && transparent_ > 0 && !ideal_transmission_ ? rough_transmission(pair) : Rgb(0);
-  }
-  Rgb f = diffuse(pair, ideal_layer);
-  if (with_glossy && has_specular_) f += glossy(pair);
+  Rgb f(0);
+  if (!pair.transmitted) f = diffuse(pair, ideal_layer);
+  if (!with_glossy) return f;
+  if (!pair.transmitted && has_specular_) f += glossy(pair);
+  if (pair.transmitted && transparent_ > 0 && !ideal_transmission_) f += rough_transmission(pair);
+  if (keeps_glass_) f += scattered_again_in_glass(pair);
   return f;
 }
 
@@ -243,9 +274,15 @@ Bsdf::LobeChoice Bsdf::lobe_choice(const Vec3d& wo, bool from_front) const {
   const double below = material_.ior == 0 ? hiding_ : layer_albedo(wo.z, ideal_);
   choice.diffuse = mean(diffuse_colour_ * remaining_) * (1 - below);
   if (lost_mean_ > 0) choice.diffuse += mean(metal_again_ * remaining_) * lost_once(wo.z);
-  const double sum = choice.mirror + choice.refraction + choice.facet + choice.diffuse;
+  if (keeps_glass_) {
+    const double again = transparent_ * lost_in_glass(from_front, wo.z);
+    const double share = share_reflected_again(from_front);
+    choice.diffuse += again * share * mean(remaining_);
+    choice.beyond = again * (1 - share) * mean(material_.base_colour * remaining_);
+  }
+  const double sum = choice.mirror + choice.refraction + choice.facet + choice.diffuse + choice.beyond;
   if (!(sum > 0)) return {};
-  return {choice.mirror / sum, choice.refraction / sum, choice.facet / sum, choice.diffuse / sum};
+  return {choice.mirror / sum, choice.refraction / sum, choice.facet / sum, choice.diffuse / sum, choice.beyond / sum};
 }
 
 /// The chance that a sampled microfacet, met at `cos_theta`, reflects rather than transmits.
@@ -257,15 +294,15 @@ double Bsdf::facet_reflects(double cos_theta, bool from_front) const {
 }
 
 double Bsdf::pdf(const Pair& pair, const LobeChoice& choice) const {
-  double density = pair.transmitted ? 0 : choice.diffuse * pair.wi.z / pi;
+  double density = (pair.transmitted ? choice.beyond : choice.diffuse) * std::abs(pair.wi.z) / pi;
   if (choice.facet == 0 || (pair.transmitted && ideal_transmission_)) return density;
   const Ggx ggx(alpha_);
   if (pair.transmitted && !material_.thin_walled) {
     const Refraction r = refraction(pair);
-    if (!r.possible) return 0;
+    if (!r.possible) return density;
     const double jacobian = r.to * r.to * -r.cos_i / (r.stretch * r.stretch);
-    return choice.facet * (1 - facet_reflects(r.cos_o, pair.from_front)) * ggx.visible_normal_pdf(pair.wo, r.h) *
-           jacobian;
+    return density + choice.facet * (1 - facet_reflects(r.cos_o, pair.from_front)) *
+                         ggx.visible_normal_pdf(pair.wo, r.h) * jacobian;
   }
   // A visible normal's density over the directions mirrored in it: the Jacobian is 1/(4 wo.h).
   const Vec3d h = glm::normalize(pair.wo + (pair.transmitted ? mirrored_through_surface(pair.wi) : pair.wi));
@@ -320,8 +357,13 @@ std::optional<BsdfSample> Bsdf::sample(const Vec3d& wo, double u_lobe, const Vec
     const std::optional<Vec3d> wi = sample_facet(local, front, u_lobe / choice.facet, u);
     return wi ? spread_sample(wo, local, *wi, front, choice) : std::nullopt;
   }
+  u_lobe -= choice.facet;
+  const Vec3d matt = sample_cosine_hemisphere(u);
+  if (choice.beyond > 0 && (u_lobe >= choice.diffuse || choice.diffuse == 0)) {
+    return spread_sample(wo, local, mirrored_through_surface(matt), front, choice);
+  }
   if (choice.diffuse == 0) return std::nullopt;
-  return spread_sample(wo, local, sample_cosine_hemisphere(u), front, choice);
+  return spread_sample(wo, local, matt, front, choice);
 }
 
 std::optional<BsdfSample> Bsdf::spread_sample(const Vec3d& wo, const Vec3d& local, const Vec3d& wi, bool front,

@@ -4,6 +4,7 @@
 
 #include "penumbra/math/frame.h"
 #include "penumbra/math/spectrum.h"
+#include "penumbra/tracing/shading/rough_glass.h"
 #include "penumbra/tracing/shading/surface_material.h"
 
 namespace penumbra {
@@ -42,9 +43,9 @@ struct SpecularSplit {
 ///   transparent  (1 - metallic) transmission: a dielectric interface with exact Fresnel terms, tinted by the base
 ///                colour on the way through; solid (Walter et al. 2007) or a thin plate that does not bend rays;
 /// and Whitted's constant mirror on top, which takes from the others only where the sum would exceed 1. GGX narrower
-/// than `ideal_alpha` is an ideal mirror or refraction. Light scattered more than once between microfacets is lost from
-/// the transparent share. Directions must lie on the same side of both the shading and the geometric normal,
-/// else nothing passes.
+/// than `ideal_alpha` is an ideal mirror or refraction. Light that the facets of a transparent share scatter more than
+/// once comes out as matt lobes on both sides, see RoughGlass, where its reflection is not tinted or weakened.
+/// Directions must lie on the same side of both the shading and the geometric normal, else nothing passes.
 class Bsdf {
  public:
   /// GGX widths (roughness squared) below this scatter so little that the lobe is taken as ideal.
@@ -109,6 +110,7 @@ class Bsdf {
     double refraction = 0;  ///< ideal transmission
     double facet = 0;       ///< a GGX microfacet, which then reflects or transmits
     double diffuse = 0;
+    double beyond = 0;  ///< matt, on the other side
   };
 
   [[nodiscard]] std::optional<Pair> pair_of(const Vec3d& wo, const Vec3d& wi) const;
@@ -129,6 +131,9 @@ class Bsdf {
   [[nodiscard]] double lost_once(double cos_theta) const;
   [[nodiscard]] Refraction refraction(const Pair& pair) const;
   [[nodiscard]] Rgb rough_transmission(const Pair& pair) const;
+  [[nodiscard]] double lost_in_glass(bool outside, double cos_theta) const;
+  [[nodiscard]] double share_reflected_again(bool outside) const;
+  [[nodiscard]] Rgb scattered_again_in_glass(const Pair& pair) const;
   [[nodiscard]] Rgb evaluate_lobes(const Pair& pair, bool with_glossy, bool ideal_layer) const;
 
   [[nodiscard]] LobeChoice lobe_choice(const Vec3d& wo, bool from_front) const;
@@ -158,14 +163,16 @@ class Bsdf {
   float metal_ = 0;            ///< the three shares
   float opaque_ = 0;
   float transparent_ = 0;
-  Rgb remaining_{1.0F};    ///< what the mirror leaves to the other lobes
-  Rgb dielectric_f0_{0};   ///< of the opaque share's layer; its f90 is `specular`
-  double layer_f0_ = 0;    ///< the largest band of it
-  double hiding_ = 0;      ///< share of the base that a layer of index 0, Fresnel term 1, hides at every angle
-  double open_mean_ = 1;   ///< 1 - mean layer albedo
-  Rgb metal_again_{0};     ///< of the light that leaves no metal facet at first, what comes out after all
-  double lost_mean_ = 0;   ///< mean of lost_once over the hemisphere by projected solid angle
-  Rgb diffuse_colour_{0};  ///< Lambertian base of the opaque share
+  Rgb remaining_{1.0F};       ///< what the mirror leaves to the other lobes
+  Rgb dielectric_f0_{0};      ///< of the opaque share's layer; its f90 is `specular`
+  double layer_f0_ = 0;       ///< the largest band of it
+  double hiding_ = 0;         ///< share of the base that a layer of index 0, Fresnel term 1, hides at every angle
+  double open_mean_ = 1;      ///< 1 - mean layer albedo
+  Rgb metal_again_{0};        ///< of the light that leaves no metal facet at first, what comes out after all
+  double lost_mean_ = 0;      ///< mean of lost_once over the hemisphere by projected solid angle
+  Rgb diffuse_colour_{0};     ///< Lambertian base of the opaque share
+  bool keeps_glass_ = false;  ///< light between the facets of the transparent share is given back
+  RoughGlass glass_;          ///< of a solid; a thin plate's is lost_once()
 };
 
 }  // namespace penumbra
