@@ -68,8 +68,9 @@ double cone_integral(const SpotLight& spot) {
 }
 
 /// The flux of a punctual light, W; none when it is counted by what reaches the elements.
-std::optional<Vec3d> own_flux(const Light& light) {
+std::optional<Vec3d> own_flux(const Scene& scene, const Light& light) {
   if (const auto* point = std::get_if<PointLight>(&light.kind)) {
+    if (point->web) return luminous_flux(scene.webs[point->web->web]) * Vec3d(point->intensity);
     if (point->inverse_square) return 4 * pi * Vec3d(point->intensity);
   } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
     return cone_integral(*spot) * Vec3d(spot->intensity);
@@ -152,7 +153,7 @@ class Gatherer {
   }
   [[nodiscard]] std::optional<Vec3d> flux(std::size_t number) const {
     const auto& source = lights_.light(used_[number]);
-    return source.kind == LightSampler::Kind::punctual ? own_flux(scene_.lights[source.index]) : std::nullopt;
+    return source.kind == LightSampler::Kind::punctual ? own_flux(scene_, scene_.lights[source.index]) : std::nullopt;
   }
 
   [[nodiscard]] Vec3d irradiance(const PatchMesh& elements, std::size_t element, std::size_t number) const {
@@ -197,7 +198,7 @@ class Gatherer {
       return -dot(far->direction, receiver.normal()) * Vec3d(far->irradiance);
     }
     const auto* point = std::get_if<PointLight>(&kind);
-    if (point == nullptr || !point->inverse_square || std::isfinite(point->range)) return std::nullopt;
+    if (point == nullptr || point->web || !point->inverse_square || std::isfinite(point->range)) return std::nullopt;
     return (solid_angle(receiver.polygon(), point->position) / receiver.area()) * Vec3d(point->intensity);
   }
 

@@ -15,6 +15,7 @@
 #include "penumbra/render/radiosity_view.h"
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/render/two_pass.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 namespace {
@@ -51,6 +52,10 @@ std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const Camer
                                             const RenderOptions& options) {
   switch (options.integrator) {
     case IntegratorKind::appel:
+      if (!Media(tracer.scene()).none()) {
+        throw std::invalid_argument(
+            "appel's rays end at the first surface and know no fog, smoke or other media; render with whitted or path");
+      }
       return make_appel(tracer, camera, options);
     case IntegratorKind::whitted:
       return make_whitted(tracer, camera, options);
