@@ -7,6 +7,7 @@
 #include "penumbra/io/density_grid_reader.h"
 #include "penumbra/io/ies_reader.h"
 #include "penumbra/scene/luminaire.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra::cli {
 namespace {
@@ -126,6 +127,13 @@ void furnish(const WorldOptions& options, Scene& scene, std::vector<std::string>
     throw UsageError(fmt::format("the scene holds {} media with --fog and --smoke, but {} are the most",
                                  scene.air.size(), most_media_in_air));
   }
+}
+
+void refuse_air(const Scene& scene, const std::string& output) {
+  if (Media(scene).none()) return;
+  throw UsageError(output +
+                   ": light is baked into a .glb as it is in clear air, and the scene holds fog or other media; write "
+                   "the solution to .npz, .csv, .ply or .vtu, or leave the media out");
 }
 
 }  // namespace penumbra::cli

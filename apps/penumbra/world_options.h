@@ -33,4 +33,7 @@ void add_world_options(OptionParser& parser, WorldOptions& options, WorldMedia m
 /// Puts them into the scene. Throws FileError, UsageError.
 void furnish(const WorldOptions& options, Scene& scene, std::vector<std::string>& warnings);
 
+/// Baked light for viewers is that of clear air: throws UsageError when the scene holds media. @param output to name.
+void refuse_air(const Scene& scene, const std::string& output);
+
 }  // namespace penumbra::cli

@@ -136,7 +136,9 @@ TEST(Media, FlightsAreUnbiasedPerBand) {
       (flight.collided ? square_scattered : square_passed) += w * w;
       // Nothing is gained: the bands together carry no more than before.
       ASSERT_LE(dot(Vec3d(throughput), w), 1.7 * (1 + 1e-6));
-      if (flight.collided) ASSERT_GE(media.extinction(std::nullopt, ray.at(flight.distance)).y, 0);
+      if (flight.collided) {
+        ASSERT_GT(media.extinction(std::nullopt, ray.at(flight.distance)).y, 0);
+      }
     }
     const auto expect = [&](const Vec3d& sum, const Vec3d& square, const Vec3d& truth) {
       for (int b = 0; b < 3; ++b) {

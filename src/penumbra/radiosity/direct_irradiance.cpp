@@ -15,6 +15,7 @@
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/light_sampling.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 namespace {
@@ -132,7 +133,12 @@ class Receiver {
 class Gatherer {
  public:
   Gatherer(const Scene& scene, const PatchMesh& faces, const DirectIrradianceOptions& options)
-      : scene_(scene), options_(options), occluders_(occluder_scene(faces)), tracer_(occluders_), lights_(scene) {
+      : scene_(scene),
+        options_(options),
+        occluders_(occluder_scene(faces)),
+        tracer_(occluders_),
+        lights_(scene),
+        media_(scene) {
     double size = 0;
     for (const Vec3d& v : faces.vertices) size = std::max(size, largest_component(v));
     error_ = float_error * size;
@@ -188,7 +194,7 @@ class Gatherer {
     add_shadow_rays(receiver, light, 0, options_.samples, sums);
     if (!sums.is_even()) add_shadow_rays(receiver, light, options_.samples, refinement * options_.samples, sums);
     if (!(sums.seen > 0)) return Vec3d(0);
-    const auto whole = unhindered(receiver, kind);
+    const auto whole = media_.none() ? unhindered(receiver, kind) : std::nullopt;
     return whole ? (sums.seen / sums.all) * *whole : sums.arrived / static_cast<double>(sums.count);
   }
 
@@ -211,7 +217,8 @@ class Gatherer {
         const SurfacePoint& from = receiver.point(static_cast<std::uint32_t>(start + i));
         const auto sample = lights_.sample_light(light, from, Vec2d(0));
         if (!sample) continue;
-        brought[i] = std::max(0.0, dot(sample->direction, receiver.normal())) * Vec3d(sample->radiance);
+        brought[i] = std::max(0.0, dot(sample->direction, receiver.normal())) * Vec3d(sample->radiance) *
+                     left_by_air(sample->shadow_ray);
         set_lane(packet, i, sample->shadow_ray);
       }
       tracer_.occluded(packet, true);
@@ -247,8 +254,9 @@ class Gatherer {
         const double cosine = dot(direction, receiver.normal());
         if (!(cosine > 0)) continue;
         const double density = sky.has_picture() ? 0.5 * (cosine / pi + sky.pdf(direction)) : cosine / pi;
-        brought[i] = (cosine / density) * Vec3d(sky.radiance(direction));
-        set_lane(packet, i, leave(receiver.point(index), direction));
+        const Ray ray = leave(receiver.point(index), direction);
+        brought[i] = (cosine / density) * Vec3d(sky.radiance(direction)) * left_by_air(ray);
+        set_lane(packet, i, ray);
       }
       tracer_.occluded(packet, false);
       for (int i = 0; i < lanes; ++i) {
@@ -258,11 +266,16 @@ class Gatherer {
     return sum / static_cast<double>(options_.sky_samples);
   }
 
+  [[nodiscard]] Vec3d left_by_air(const Ray& ray) const {
+    return media_.none() ? Vec3d(1) : Vec3d(media_.transmittance(std::nullopt, ray));
+  }
+
   const Scene& scene_;
   const DirectIrradianceOptions& options_;
   Scene occluders_;
   RayTracer tracer_;
   LightSampler lights_;
+  Media media_;
   std::vector<std::size_t> used_;  // lights of the sampler that are no elements
   double error_ = 0;
 };

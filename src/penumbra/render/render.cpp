@@ -255,6 +255,9 @@ RenderResult render(const RadiosityView& view, const Camera& camera, const Rende
 RenderResult render(const RayTracer& tracer, const DiffuseLight& light, const Camera& camera,
                     const RenderOptions& options, const Progress& progress) {
   check(options);
+  if (!Media(tracer.scene()).none()) {
+    throw std::invalid_argument("two-pass knows no fog, smoke or other media; render with whitted or path");
+  }
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
   return draw(*make_two_pass(tracer, light, rays, options), options, progress, began);

@@ -123,7 +123,7 @@ Scene make_smoke(const BuiltinParameters& parameters) {
                           .kind = DirectionalLight{.direction = normalize(Vec3d(-0.75, -0.8, -0.45)),
                                                    .irradiance = Rgb(Vec3d(3.6, 3.4, 3.0)),
                                                    .angular_radius = 0.265 * degree}});
-  scene.environment = Environment{.radiance = {0.32F, 0.42F, 0.6F}};
+  scene.environment = Environment{.radiance = {0.32F, 0.42F, 0.6F}, .image = {}};
   const auto density = static_cast<float>(parameters["density"]);
   add_to_air(scene, {.name = "smoke",
                      .absorption = Rgb(0.25F * density),
