@@ -14,19 +14,23 @@ namespace {
 
 using std::numbers::pi;
 
-nlohmann::json henyey_greenstein() {
-  return nlohmann::json::parse(std::ifstream(PENUMBRA_TEST_DATA "/participating_media.json"))["henyey_greenstein"];
+nlohmann::json henyey_greenstein(const char* table) {
+  nlohmann::json found = nlohmann::json::parse(std::ifstream(PENUMBRA_TEST_DATA "/participating_media.json"))
+                             .at("henyey_greenstein")
+                             .at(table);
+  EXPECT_FALSE(found.empty());
+  return found;
 }
 
 TEST(PhaseFunction, ValuesOfTheTable) {
-  for (const auto& c : henyey_greenstein()["table"]) {
+  for (const auto& c : henyey_greenstein("table")) {
     const double p = c["p"];
     EXPECT_NEAR(HenyeyGreenstein(c["g"]).value(c["mu"]), p, 1e-12 * p) << c;
   }
 }
 
 TEST(PhaseFunction, InverseOfTheCumulativeDistribution) {
-  for (const auto& c : henyey_greenstein()["inverse_cdf"]) {
+  for (const auto& c : henyey_greenstein("inverse_cdf")) {
     EXPECT_NEAR(HenyeyGreenstein(c["g"]).cosine(c["xi"]), c["mu"].get<double>(), 1e-12) << c;
   }
   for (const double g : {-0.9, -1e-6, 0.0, 1e-7, 1e-4, 0.5}) {
