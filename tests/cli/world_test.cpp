@@ -66,6 +66,24 @@ TEST(WorldTest, SkyLightsASceneWithoutLight) {
   EXPECT_EQ(run.err.find("no light"), std::string::npos) << run.err;
 }
 
+TEST(WorldTest, BakesThroughAirThatAbsorbs) {
+  const Workshop workshop;
+  const std::vector<std::string> few{"--elements", "200", "--json"};
+  const auto bake = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"bake", box});
+    more.insert(more.end(), few.begin(), few.end());
+    return penumbra(more);
+  };
+  const Outcome soot = bake({"--fog", "0.5,0,0", "-o", workshop.path("soot.npz")});
+  ASSERT_EQ(soot.code, 0) << soot.err;
+  const auto energy = soot.report()["energy"];
+  EXPECT_GT(energy["absorbed_by_air"].get<double>(), 0.05 * energy["emitted"].get<double>());
+  EXPECT_NE(bake({"--fog", "0.5,0.5,0", "-o", workshop.path("mist.npz")}).err.find("scatters"), std::string::npos);
+  const Outcome viewer = penumbra({"bake", box, "--fog", "0.5,0,0", "-o", workshop.path("soot.glb")});
+  EXPECT_EQ(viewer.code, 2);
+  EXPECT_NE(viewer.err.find("clear air"), std::string::npos) << viewer.err;
+}
+
 TEST(WorldTest, ALuminaireHangsOnANamedLight) {
   const Workshop workshop;
   const std::string lamp =
