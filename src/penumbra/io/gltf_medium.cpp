@@ -4,9 +4,7 @@
 
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 
-#include "penumbra/io/asset_path.h"
 #include "penumbra/io/density_grid_reader.h"
 
 namespace penumbra {
@@ -53,14 +51,6 @@ DensityGrid held_grid(const GltfDocument& document, const JsonPlace& density, co
   return grid;
 }
 
-// Densities of a file beside the glTF.
-Medium beside(const GltfDocument& document, const JsonPlace& density) {
-  const std::string name = density.text("file");
-  const auto path = asset_path(name);
-  if (!path) density.fail(fmt::format("its file '{}' must lie in the glTF's folder or below it", name));
-  return read_density_grid(std::filesystem::path(document.file()).parent_path() / *path);
-}
-
 }  // namespace
 
 Medium read_gltf_medium(const GltfDocument& document, const JsonPlace& place) {
@@ -68,7 +58,7 @@ Medium read_gltf_medium(const GltfDocument& document, const JsonPlace& place) {
   medium.box = box_of(place);
   if (const auto density = place.object("density")) {
     if (density->has("file")) {
-      medium = beside(document, *density);
+      medium = read_density_grid(document.uri_file(density->text("file"), *density));
     } else {
       medium.density = held_grid(document, *density, medium.box);
       medium.box.reset();

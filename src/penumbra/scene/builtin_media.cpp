@@ -59,9 +59,9 @@ double column_density(const Vec3d& p) {
   const Vec2d axis(0.22 * std::sin(2.4 * height + 0.4) - 0.09, 0.16 * std::sin(3.1 * height));
   const Vec3d swirl = p + 0.25 * (0.4 + height) * Vec3d(turbulence(1.7 * p, 3), 0, turbulence(1.7 * p + 31.0, 3));
   const double off = std::hypot(swirl.x - axis.x, swirl.z - axis.y) / radius;
-  const double core = std::exp(-2.2 * off * off) + 0.9 * turbulence(Vec3d(3.2, 2.2, 3.2) * p, 4) - 0.22;
+  const double core = std::exp(-1.6 * off * off) + 0.75 * turbulence(Vec3d(3.2, 2.2, 3.2) * p, 4) - 0.2;
   const double fade = std::clamp(20 * height, 0.0, 1.0) * std::clamp(4 * (1 - height), 0.0, 1.0);
-  return std::clamp(1.6 * core, 0.0, 1.0) * fade * (1 - 0.55 * height) * (off < 2.2 ? 1 : 0);
+  return std::clamp(1.8 * core, 0.0, 1.0) * fade * (1 - 0.5 * height) * std::clamp(2 * (2 - off), 0.0, 1.0);
 }
 
 DensityGrid smoke_column(std::uint32_t cells) {
@@ -88,28 +88,30 @@ Scene make_fog(const BuiltinParameters& parameters) {
   Scene scene;
   const std::uint32_t wall = add_material(scene, lambertian("wall", Rgb(0.35F, 0.33F, 0.3F)));
   const std::uint32_t stone = add_material(scene, lambertian("stone", Rgb(0.55F, 0.5F, 0.42F)));
-  add_object(scene, box_mesh("hall", wall, {-4, 0, -6}, {4, 4, 2}, true));
-  for (int k = 0; k < 4; ++k) {
-    const double z = -4.9 + 1.5 * k;
-    add_object(scene, box_mesh("column " + std::to_string(k + 1), stone, {-2.2, 0, z}, {-1.85, 4, z + 0.35}, false));
+  const Bounds hall{{-4, 0, -7}, {4, 4, 3}};
+  add_object(scene, box_mesh("hall", wall, hall.lower, hall.upper, true));
+  // A row of columns before the lamp, and a ball in the gap in the middle.
+  int number = 0;
+  for (const double x : {-2.3, -1.5, -0.7, 0.7, 1.5, 2.3}) {
+    add_object(scene, box_mesh("column " + std::to_string(++number), stone, {x - 0.17, 0, -3.67}, {x + 0.17, 4, -3.33},
+                               false));
   }
-  scene.shapes.push_back({.name = "ball", .shape = Sphere{{0.6, 1.15, -2.6}, 0.45}, .material = stone});
-  const Vec3d lamp(-3.7, 3.4, -3.2);
+  scene.shapes.push_back({.name = "ball", .shape = Sphere{{0, 1.5, -3.2}, 0.3}, .material = stone});
   scene.lights.push_back({.name = "spot",
-                          .kind = SpotLight{.position = lamp,
-                                            .direction = normalize(Vec3d(1.4, 0.9, -2.6) - lamp),
-                                            .intensity = Rgb(Vec3d(260, 240, 200)),
-                                            .inner_angle = 17 * degree,
-                                            .outer_angle = 20 * degree}});
+                          .kind = SpotLight{.position = {0.4, 2.9, -6.6},
+                                            .direction = normalize(Vec3d(-0.1, -0.28, 1)),
+                                            .intensity = Rgb(Vec3d(130, 120, 100)),
+                                            .inner_angle = 34 * degree,
+                                            .outer_angle = 40 * degree}});
   const double sigma_t = parameters["sigma_t"], albedo = parameters["albedo"];
   add_to_air(scene, {.name = "fog",
                      .absorption = Rgb(static_cast<float>(sigma_t * (1 - albedo))),
                      .scattering = Rgb(static_cast<float>(sigma_t * albedo)),
                      .asymmetry = static_cast<float>(parameters["g"]),
-                     .box = Bounds{{-4, 0, -6}, {4, 4, 2}}});
+                     .box = hall});
   scene.cameras = {{.name = "camera",
-                    .to_world = look_at(Vec3d(0.4, 1.6, 1.6), Vec3d(-0.2, 1.65, -3), {0, 1, 0}),
-                    .lens = PerspectiveLens{58 * degree}}};
+                    .to_world = look_at(Vec3d(-2.6, 1.9, 2.3), Vec3d(0.1, 1.45, -2.6), {0, 1, 0}),
+                    .lens = PerspectiveLens{50 * degree}}};
   return scene;
 }
 

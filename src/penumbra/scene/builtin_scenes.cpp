@@ -49,14 +49,14 @@ const std::vector<Entry>& entries() {
        make_city},
       {"fog",
        "a spot light through fog in a dark hall, and the shadows of columns and a ball in its beam",
-       {{.key = "sigma_t", .fallback = 0.12, .lower = 0, .upper = 100, .unit = "1/m"},
+       {{.key = "sigma_t", .fallback = 0.15, .lower = 0, .upper = 100, .unit = "1/m"},
         {.key = "albedo", .fallback = 0.95, .lower = 0, .upper = 1},
         {.key = "g", .fallback = 0.3, .lower = -0.99, .upper = 0.99}},
        make_fog},
       {"smoke",
        "a column of smoke from a procedural density grid, under the sun",
        {{.key = "cells", .fallback = 96, .lower = 8, .upper = 512, .whole = true},
-        {.key = "density", .fallback = 6, .lower = 0, .upper = 1000, .unit = "1/m"}},
+        {.key = "density", .fallback = 10, .lower = 0, .upper = 1000, .unit = "1/m"}},
        make_smoke},
   };
   return list;
