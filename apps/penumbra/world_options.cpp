@@ -111,7 +111,8 @@ void add_world_options(OptionParser& parser, WorldOptions& options, WorldMedia m
 void furnish(const WorldOptions& options, Scene& scene, std::vector<std::string>& warnings) {
   if (options.sky) {
     Daylight day = make_daylight(*options.sky);
-    if (scene.environment) warnings.push_back(fmt::format("{} takes the place of the scene's own environment", "--sky"));
+    if (scene.environment)
+      warnings.push_back(fmt::format("{} takes the place of the scene's own environment", "--sky"));
     scene.environment = Environment{.radiance = Rgb(1), .image = static_cast<std::uint32_t>(scene.images.size())};
     scene.images.push_back(std::move(day.sky));
     scene.lights.push_back({.name = "sun", .kind = day.sun});

@@ -37,12 +37,12 @@ TEST(Daylight, LuminanceOfTheZenith) {
 }
 
 // The sun outside the atmosphere gives about 130 klx; a clear sky leaves what the luminous extinction of clear air of
-// about 0.21 (Illuminating Engineering Society, 1984) says, within a sixth.
+// about 0.21 (Illuminating Engineering Society, 1984) says, within an eighth.
 TEST(Daylight, IlluminanceOfTheSun) {
   for (const double elevation : {20.0, 40.0, 60.0, 85.0}) {
     const double mass = 1 / std::sin(elevation * degree);
-    EXPECT_NEAR(lux(make_daylight(at(elevation, 2.5)).sun), 133800 * std::exp(-0.21 * mass),
-                0.17 * 133800 * std::exp(-0.21 * mass))
+    EXPECT_NEAR(lux(make_daylight(at(elevation, 2)).sun), 133800 * std::exp(-0.21 * mass),
+                0.125 * 133800 * std::exp(-0.21 * mass))
         << elevation;
   }
 }
@@ -57,7 +57,8 @@ TEST(Daylight, LowAndHazySunsAreWeakerAndRedder) {
   EXPECT_GT(red_over_blue(hazy), red_over_blue(high));
 }
 
-// A clear sky alone lights the ground by some 10 to 20 klx; it is blue, and brighter near the sun.
+// A clear sky alone lights the ground by some 10 to 20 klx, and this model is known to be on the bright side (Zotti,
+// Wilkie & Purgathofer 2007); it is blue, and brighter near the sun.
 TEST(Daylight, SkylightIsBlueAndBrightAroundTheSun) {
   const DaylightOptions clear = at(45, 2.5);
   const Rgb away = sky_radiance(clear, normalize(Vec3d(-1, 1, 0)));
@@ -72,7 +73,7 @@ TEST(Daylight, SkylightIsBlueAndBrightAroundTheSun) {
     }
   }
   EXPECT_GT(lux_of_sky, 7000);
-  EXPECT_LT(lux_of_sky, 25000);
+  EXPECT_LT(lux_of_sky, 30000);
 }
 
 // The ground below sends back its albedo of what falls on it, by the picture's own light.

@@ -32,7 +32,8 @@ struct RadiosityViewOptions {
 ///
 /// Rays meet the elements themselves, so each picture is exact for them and has no noise. Irradiance is interpolated
 /// over the shading mesh and multiplied by each element's own reflectance; emission is added, so that lamps shine.
-/// Air that absorbs dims what is seen through it. Elements seen from a side that has none are black; rays that meet none see the environment.
+/// Air that absorbs dims what is seen through it. Elements seen from a side that has none are black; rays that meet
+/// none see the environment.
 class RadiosityView {
  public:
   /// @param elements each patch an element. @param irradiance of the elements from everywhere, [element * 3 + band],
