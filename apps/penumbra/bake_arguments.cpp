@@ -193,6 +193,7 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
   add_checkpoint_options(parser, result);
   add_snapshot_options(parser, result);
   add_scene_options(parser, result.scene);
+  add_world_options(parser, result.scene.world, WorldMedia::fog_alone);
   add_common_options(parser, result.common);
   parser.examples({"penumbra bake builtin:cornell-box --elements 10000 -o cornell.npz",
                    "penumbra bake room.glb --lightmap-size 2048 -o room-baked.glb"});

@@ -16,6 +16,7 @@
 #include "scene_options.h"
 #include "snapshots.h"
 #include "solution_file.h"
+#include "world_options.h"
 
 namespace penumbra::cli {
 namespace {
@@ -49,6 +50,7 @@ Report report_on(const BakeArguments& arguments, const RadiositySetup& setup, co
            {{"emitted", s.energy.emitted},
             {"absorbed", s.energy.absorbed},
             {"escaped", s.energy.escaped},
+            {"absorbed_by_air", solved.absorbed_by_air},
             {"absorbed_by_backs", solved.absorbed_by_backs},
             {"unshot", s.energy.unshot}}},
           {"specular", {{"rays", setup.specular_rays}, {"irradiance_error", solved.specular_error}}},
@@ -133,6 +135,7 @@ int bake_scene(const BakeArguments& arguments) {
   console.progress("load", 0);
   std::vector<std::string> warnings;
   const Scene scene = load_scene(arguments.scene, warnings);
+  if (arguments.output.ends_with(".glb")) refuse_air(scene, arguments.output);
   console.warn(warnings);
   require_room_for_faces(scene, arguments.scene.source);
   seconds.load = load_watch.seconds();

@@ -11,6 +11,7 @@
 #include "penumbra/render/radiosity_view.h"
 #include "penumbra/render/solution_light.h"
 #include "penumbra/render/two_pass.h"
+#include "penumbra/tracing/shading/media.h"
 #include "render_arguments.h"
 #include "report.h"
 #include "run_limits.h"
@@ -69,7 +70,8 @@ Drawn show_solution(const RenderArguments& arguments, const RayTracer& tracer, c
   if (arguments.is_two_pass()) return show_two_pass(arguments, tracer, solution, camera, progress, watch);
   std::optional<MadePatchMesh> faces;
   std::optional<LampIrradiance> lamps;
-  if (!arguments.flat && !solution.partial) {
+  // Lamps are exact in clear air alone.
+  if (!arguments.flat && !solution.partial && Media(scene).none()) {
     faces = make_element_faces(scene, PatchSides::both, MeshingOptions{}.shape_segments);
     lamps.emplace(scene, faces->mesh);
   }

@@ -25,6 +25,7 @@
 #include "run_limits.h"
 #include "scene_options.h"
 #include "usage_error.h"
+#include "world_options.h"
 
 namespace penumbra::cli {
 namespace {
@@ -198,6 +199,7 @@ int bake_lightmap(const BakeArguments& arguments) {
 
   console.progress("load", 0);
   Scene scene = timed(seconds.load, [&] { return without_shapes(load_scene(arguments.scene, warnings), warnings); });
+  refuse_air(scene, arguments.output);
   console.warn(warnings);
   require_room_for_faces(scene, arguments.scene.source);
   interrupt.something_to_keep();

@@ -79,6 +79,11 @@ void OptionParser::values(std::string names, std::string metavar, std::string he
                       [&target](const OptionValue& v) { target.push_back(v.text); }, true});
 }
 
+void OptionParser::repeated(std::string names, std::string metavar, std::string help, Take take) {
+  entries_.push_back(
+      {Kind::value, group_, std::move(names), std::move(metavar), std::move(help), std::move(take), false, true});
+}
+
 void OptionParser::examples(std::vector<std::string> lines) { examples_ = std::move(lines); }
 
 bool OptionParser::parse(const std::vector<std::string>& arguments) const {
@@ -94,6 +99,8 @@ bool OptionParser::parse(const std::vector<std::string>& arguments) const {
     CLI::Option* option = entry.kind == Kind::flag ? app.add_flag(entry.names) : app.add_option(entry.names);
     if (entry.many) {
       option->expected(1, CLI::detail::expected_max_vector_size);
+    } else if (entry.repeated) {
+      option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     } else if (entry.kind == Kind::value) {
       option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     }
@@ -110,7 +117,7 @@ bool OptionParser::parse(const std::vector<std::string>& arguments) const {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (options[i]->count() == 0) continue;
     const std::vector<std::string> results = options[i]->results();
-    for (const std::string& text : entries_[i].many ? results : std::vector{results.back()}) {
+    for (const std::string& text : entries_[i].many || entries_[i].repeated ? results : std::vector{results.back()}) {
       entries_[i].take({long_name(entries_[i].names), text});
     }
   }

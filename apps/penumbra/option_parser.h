@@ -30,6 +30,8 @@ class OptionParser {
   void value(std::string names, std::string metavar, std::string help, Take take);
   /// An option with one value or more; given twice, all count.
   void values(std::string names, std::string metavar, std::string help, std::vector<std::string>& target);
+  /// An option with one value that may be given several times; all count.
+  void repeated(std::string names, std::string metavar, std::string help, Take take);
   /// Two command lines to learn from, shown last.
   void examples(std::vector<std::string> lines);
 
@@ -42,7 +44,8 @@ class OptionParser {
     Kind kind;
     std::string group, names, metavar, help;
     Take take;
-    bool many = false;
+    bool many = false;      ///< one value or more
+    bool repeated = false;  ///< one value, several times
   };
 
   [[nodiscard]] std::string help() const;

@@ -228,6 +228,7 @@ std::optional<RenderArguments> parse_render_arguments(const std::vector<std::str
   add_solution_options(parser, result);
   add_camera_options(parser, result.camera);
   add_scene_options(parser, result.scene);
+  add_world_options(parser, result.scene.world, WorldMedia::any);
   add_common_options(parser, result.common);
   parser.examples({"penumbra render builtin:cornell-box --integrator path --size 512x512 --spp 256 -o cornell.png",
                    "penumbra render model.glb --eye 3,2,4 --look-at 0,1,0 --fov 35 --aov normal,depth -o model.exr"});

@@ -81,6 +81,9 @@ void keep_energy(const SceneOptions& options, Scene& scene, std::vector<std::str
 }  // namespace
 
 void check(const SceneOptions& options) {
+  if (options.world.sky && options.environment) {
+    throw UsageError("--sky and --environment both say what is outside; leave one of them away");
+  }
   if (options.source.empty())
     throw UsageError("no SCENE given; name a .glb, .gltf or .obj file, or builtin:cornell-box");
   if (options.unit && knows_its_unit(options.source)) {
@@ -148,6 +151,7 @@ Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings
   Scene scene = std::move(loaded.scene);
   warnings.insert(warnings.end(), loaded.warnings.begin(), loaded.warnings.end());
   keep_energy(options, scene, warnings);
+  furnish(options.world, scene, warnings);
   const bool lit = is_lit(scene);  // judged by the file's own numbers, whatever their unit
   if (options.photometric) {
     constexpr float lumens_per_watt = 683;  // CIE: the luminous efficacy K_cd, lm/W

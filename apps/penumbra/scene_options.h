@@ -7,6 +7,7 @@
 #include "option_parser.h"
 #include "penumbra/io/load_report.h"
 #include "penumbra/scene/scene.h"
+#include "world_options.h"
 
 namespace penumbra::cli {
 
@@ -17,6 +18,7 @@ struct SceneOptions {
   std::optional<std::string> environment;  ///< "R,G,B" or a picture's path
   bool front_sides_only = false;
   bool photometric = false;
+  WorldOptions world;
   bool allow_outside = false;  ///< read what the scene names outside its folder
   bool fix_energy = false;     ///< scale materials that would send on more light than arrives
 };

@@ -209,20 +209,29 @@ std::filesystem::path GltfDocument::asset(const std::string& uri) const {
   }
 }
 
+std::filesystem::path GltfDocument::uri_file(const std::string& uri, const JsonPlace& user) const {
+  std::filesystem::path path;
+  try {
+    path = asset(uri);
+  } catch (const std::invalid_argument& wrong) {
+    user.fail(wrong.what());
+  }
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  // A pipe or a device would never end.
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    user.fail(fmt::format("its file {} is no ordinary file; name one that holds its bytes", path.string()));
+  }
+  if (!std::filesystem::exists(status)) {
+    user.fail(fmt::format("its file {} is not there; put it beside the glTF or export to .glb", path.string()));
+  }
+  return path;
+}
+
 std::vector<std::byte> GltfDocument::uri_bytes(const std::string& uri, const JsonPlace& user) const {
   try {
     if (auto bytes = data_uri_bytes(uri)) return std::move(*bytes);
-    const auto path = asset(uri);
-    std::error_code ignored;
-    const auto status = std::filesystem::status(path, ignored);
-    // A pipe or a device would never end.
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-      user.fail(fmt::format("its file {} is no ordinary file; name one that holds its bytes", path.string()));
-    }
-    if (!std::filesystem::exists(status)) {
-      user.fail(fmt::format("its file {} is not there; put it beside the glTF or export to .glb", path.string()));
-    }
-    return read_file(path);
+    return read_file(uri_file(uri, user));
   } catch (const std::invalid_argument& wrong) {
     user.fail(wrong.what());
   } catch (const FileError& unreadable) {

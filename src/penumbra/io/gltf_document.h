@@ -48,6 +48,8 @@ class GltfDocument {
 
   /// The bytes that a `data:` URI holds or that a file beside the glTF holds. Throws FileError at `user`.
   [[nodiscard]] std::vector<std::byte> uri_bytes(const std::string& uri, const JsonPlace& user) const;
+  /// The ordinary file that a URI means, for readers that open it themselves. Throws FileError at `user`.
+  [[nodiscard]] std::filesystem::path uri_file(const std::string& uri, const JsonPlace& user) const;
 
  private:
   [[nodiscard]] std::filesystem::path asset(const std::string& uri) const;

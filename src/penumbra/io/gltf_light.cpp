@@ -58,7 +58,11 @@ Light read_gltf_light(const JsonPlace& place, const Mat4d& to_world) {
   } else if (type == "spot") {
     light.kind = spot_of(place, scaled, range, to_world);
   } else if (type == "directional") {
-    light.kind = DirectionalLight{.direction = direction_of(to_world, place), .irradiance = scaled};
+    const auto extras = place.extras("penumbra");
+    const double radius = extras ? extras->number("angular_radius", 0) : 0;
+    if (!(radius >= 0 && radius < 1)) place.fail("its angular_radius must lie in 0 to 1 rad");
+    light.kind =
+        DirectionalLight{.direction = direction_of(to_world, place), .irradiance = scaled, .angular_radius = radius};
   } else {
     place.fail("its type is none of point, spot and directional; export the file again");
   }

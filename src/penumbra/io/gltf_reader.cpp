@@ -14,9 +14,12 @@
 #include "penumbra/io/gltf_document.h"
 #include "penumbra/io/gltf_light.h"
 #include "penumbra/io/gltf_material.h"
+#include "penumbra/io/gltf_medium.h"
 #include "penumbra/io/gltf_mesh.h"
 #include "penumbra/io/gltf_node.h"
 #include "penumbra/io/gltf_texture.h"
+#include "penumbra/io/ies_reader.h"
+#include "penumbra/scene/luminaire.h"
 
 namespace penumbra {
 namespace {
@@ -50,6 +53,11 @@ class SceneReader {
     const std::size_t count = document_.count("materials");
     for (std::size_t m = 0; m < count; ++m) {
       scene_.materials.push_back(read_gltf_material(document_, textures_, m));
+      const auto extras = document_.item("materials", "material", m, document_.root()).extras("penumbra");
+      if (const auto medium = extras ? extras->object("medium") : std::nullopt) {
+        scene_.materials.back().medium = static_cast<std::uint32_t>(scene_.media.size());
+        scene_.media.push_back(read_gltf_medium(document_, *medium));
+      }
     }
   }
 
@@ -107,9 +115,27 @@ class SceneReader {
     if (index >= count)
       user.fail(
           fmt::format("names light {}, but the file has {}, counted from 0; export the file again", index, count));
-    Light light = read_gltf_light(lights->item(static_cast<std::size_t>(index), "light"), to_world);
+    const JsonPlace place = lights->item(static_cast<std::size_t>(index), "light");
+    Light light = read_gltf_light(place, to_world);
     if (!name.empty()) light.name = name;
     scene_.lights.push_back(std::move(light));
+    const auto extras = place.extras("penumbra");
+    if (extras && extras->has("ies")) hang_luminaire(*extras, to_world);
+  }
+
+  // A measured luminaire hangs with its nadir along -y of its node, horizontal angle 0 along -z; on a spot light its
+  // nadir is the light's axis.
+  void hang_luminaire(const JsonPlace& extras, const Mat4d& to_world) {
+    const std::size_t light = scene_.lights.size() - 1;
+    if (!can_wear_web(scene_.lights[light])) extras.fail("ies belongs to point and spot lights alone");
+    const std::string uri = extras.text("ies");
+    const std::vector<std::byte> bytes = document_.uri_bytes(uri, extras);
+    PhotometricWeb web = parse_ies({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, uri);
+    const Vec3d down = -Vec3d(to_world[1]), ahead = -Vec3d(to_world[2]);
+    const bool turned = std::holds_alternative<PointLight>(scene_.lights[light].kind) && length(cross(down, ahead)) > 0;
+    if (!turned) return wear_web(scene_, light, std::move(web));
+    const Vec3d nadir = normalize(down);
+    wear_web(scene_, light, std::move(web), nadir, normalize(ahead - dot(ahead, nadir) * nadir));
   }
 
   void read_scene_extras(const JsonPlace& scene) {
@@ -119,6 +145,12 @@ class SceneReader {
       scene_.environment = Environment{.radiance = colour_of(*environment, "radiance"),
                                        .image = std::nullopt,
                                        .backdrop_only = environment->flag("backdrop_only", false)};
+    }
+    if (const auto media = extras->list("media")) {
+      for (std::size_t i = 0; i < media->size(); ++i) {
+        scene_.air.push_back(static_cast<std::uint32_t>(scene_.media.size()));
+        scene_.media.push_back(read_gltf_medium(document_, media->item(i, "medium")));
+      }
     }
     if (extras->has("ambient")) {
       scene_.lights.push_back({.name = "ambient", .kind = AmbientLight{colour_of(*extras, "ambient")}});

@@ -25,6 +25,13 @@ namespace penumbra {
 /// - of a light: `{"falloff": "none"}`, a point light without distance falloff (PointLight::inverse_square);
 /// - of a material: `{"mirror": [r, g, b]}` (Material::mirror) and
 ///   `{"checker": {"colour": [r, g, b], "size": metres}}` (Material::checker_colour, checker_size);
+/// - of a material: `{"medium": {...}}`, what its closed mesh holds (Material::medium); of the scene: `{"media":
+///   [{...}]}`, what fills the open air (Scene::air). A medium: `"absorption"` and `"scattering"` [r, g, b] in 1/m,
+///   `"g"`, `"name"`; `"lower"` and `"upper"` [x, y, z], the corners of its box, m; `"density": {"file": "smoke.npz"}`
+///   (see read_density_grid) or `{"bufferView": n, "cells": [nx, ny, nz]}`, single-precision floats that fill the box;
+/// - of a light: `{"ies": "lamp.ies"}`, a photometric file for a point or spot light (see wear_web);
+/// `{"angular_radius":
+///   rad}`, the disk of a directional one;
 /// - of the scene: `{"environment": {"radiance": [r, g, b], "backdrop_only": bool}}` in W/(m^2 sr) and
 ///   `{"ambient": [r, g, b]}`, an AmbientLight.
 ///

@@ -316,10 +316,26 @@ class GltfWriter {
     if (m.checker_colour) {
       json["extras"]["penumbra"]["checker"] = {{"colour", json_of(*m.checker_colour)}, {"size", m.checker_size}};
     }
+    if (m.medium) json["extras"]["penumbra"]["medium"] = json_of_medium(scene_.media[*m.medium]);
     if (m.conductor) {
       warn(fmt::format("material '{}': the metal's refractive index is left out; its base colour stands for it",
                        m.name));
     }
+  }
+
+  Json json_of_medium(const Medium& m) {
+    Json json{{"absorption", json_of(m.absorption)}, {"scattering", json_of(m.scattering)}, {"g", m.asymmetry}};
+    if (!m.name.empty()) json["name"] = m.name;
+    const auto box = m.density ? std::optional(m.density->box) : m.box;
+    if (box) {
+      json["lower"] = {box->lower.x, box->lower.y, box->lower.z};
+      json["upper"] = {box->upper.x, box->upper.y, box->upper.z};
+    }
+    if (m.density) {
+      json["density"] = {{"bufferView", binary_.add_view(std::as_bytes(std::span(m.density->values)), GlbBinary::none)},
+                         {"cells", m.density->cells}};
+    }
+    return json;
   }
 
   // Geometry.
@@ -462,6 +478,9 @@ class GltfWriter {
       more["extras"]["penumbra"]["falloff"] = "none";
       warn(fmt::format("light '{}' does not weaken with distance; other programs than this will let it", name));
     }
+    if (light.web) {
+      warn(fmt::format("light '{}': its photometric web is left out; name its file in extras.penumbra.ies", name));
+    }
     add_punctual(name, "point", light.intensity, light.range, standing_at(light.position), std::move(more));
   }
 
@@ -475,8 +494,10 @@ class GltfWriter {
   }
 
   void add_light(const std::string& name, const DirectionalLight& light) {
+    Json more = Json::object();
+    if (light.angular_radius > 0) more["extras"]["penumbra"]["angular_radius"] = light.angular_radius;
     add_punctual(name, "directional", light.irradiance, std::numeric_limits<double>::infinity(),
-                 standing_at(Vec3d(0), light.direction));
+                 standing_at(Vec3d(0), light.direction), std::move(more));
   }
 
   void add_light(const std::string&, const AmbientLight& light) {
@@ -515,6 +536,9 @@ class GltfWriter {
       scene["extras"]["penumbra"]["environment"] = {{"radiance", json_of(scene_.environment->radiance)},
                                                     {"backdrop_only", scene_.environment->backdrop_only}};
       if (scene_.environment->image) warn("the environment's picture is left out; give it with --environment");
+    }
+    for (const std::uint32_t m : scene_.air) {
+      scene["extras"]["penumbra"]["media"].push_back(json_of_medium(scene_.media[m]));
     }
     if (ambient_) scene["extras"]["penumbra"]["ambient"] = json_of(*ambient_);
   }

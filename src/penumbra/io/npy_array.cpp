@@ -147,6 +147,12 @@ NpyArray read_npy(std::string_view file) {
 
 std::vector<double> doubles_of(const NpyArray& array) { return values_of<double>(array, "<f8"); }
 
+std::vector<double> reals_of(const NpyArray& array) {
+  if (array.type != "<f4") return doubles_of(array);
+  const std::vector<float> narrow = values_of<float>(array, "<f4");
+  return {narrow.begin(), narrow.end()};
+}
+
 std::vector<std::int64_t> integers_of(const NpyArray& array) { return values_of<std::int64_t>(array, "<i8"); }
 
 std::vector<std::string> texts_of(const NpyArray& array) {

@@ -32,6 +32,8 @@ struct NpyArray {
 // Each throws std::runtime_error with half a sentence ("is no NumPy array", "holds <f4 where <f8 was expected").
 [[nodiscard]] NpyArray read_npy(std::string_view file);
 [[nodiscard]] std::vector<double> doubles_of(const NpyArray& array);
+/// Of single or double precision.
+[[nodiscard]] std::vector<double> reals_of(const NpyArray& array);
 [[nodiscard]] std::vector<std::int64_t> integers_of(const NpyArray& array);
 [[nodiscard]] std::vector<std::string> texts_of(const NpyArray& array);
 

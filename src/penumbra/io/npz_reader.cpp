@@ -23,6 +23,10 @@ std::vector<std::int64_t> NpzReader::integers(const std::string& name) const { r
 
 std::vector<std::string> NpzReader::texts(const std::string& name) const { return take(name, texts_of); }
 
+NpzReader::Reals NpzReader::reals(const std::string& name) const {
+  return take<Reals>(name, [](const NpyArray& array) { return Reals{array.shape, reals_of(array)}; });
+}
+
 bool NpzReader::truth(const std::string& name) const {
   return take<bool>(name, [](const NpyArray& array) {
     if (array.type != "|b1" || array.bytes.empty()) throw std::runtime_error("is no truth value");

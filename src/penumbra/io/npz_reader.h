@@ -21,6 +21,12 @@ class NpzReader {
   [[nodiscard]] std::vector<double> doubles(const std::string& name) const;
   [[nodiscard]] std::vector<std::int64_t> integers(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> texts(const std::string& name) const;
+  /// Real numbers of single or double precision and the shape that they have.
+  struct Reals {
+    std::vector<std::size_t> shape;
+    std::vector<double> values;
+  };
+  [[nodiscard]] Reals reals(const std::string& name) const;
   /// A single truth value.
   [[nodiscard]] bool truth(const std::string& name) const;
 

@@ -19,4 +19,8 @@ namespace penumbra {
 /// Barycentric weights of vertices 1 and 2, uniform over a triangle's area.
 [[nodiscard]] Vec2d sample_triangle(const Vec2d& u);
 
+/// Of two ways to find the same thing, the share of one with density `a` (Veach & Guibas 1995, power heuristic,
+/// exponent 2).
+[[nodiscard]] inline double power_heuristic(double a, double b) { return a * a / (a * a + b * b); }
+
 }  // namespace penumbra

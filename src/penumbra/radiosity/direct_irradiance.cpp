@@ -15,6 +15,7 @@
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/light_sampling.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 namespace {
@@ -68,8 +69,9 @@ double cone_integral(const SpotLight& spot) {
 }
 
 /// The flux of a punctual light, W; none when it is counted by what reaches the elements.
-std::optional<Vec3d> own_flux(const Light& light) {
+std::optional<Vec3d> own_flux(const Scene& scene, const Light& light) {
   if (const auto* point = std::get_if<PointLight>(&light.kind)) {
+    if (point->web) return luminous_flux(scene.webs[point->web->web]) * Vec3d(point->intensity);
     if (point->inverse_square) return 4 * pi * Vec3d(point->intensity);
   } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
     return cone_integral(*spot) * Vec3d(spot->intensity);
@@ -131,7 +133,12 @@ class Receiver {
 class Gatherer {
  public:
   Gatherer(const Scene& scene, const PatchMesh& faces, const DirectIrradianceOptions& options)
-      : scene_(scene), options_(options), occluders_(occluder_scene(faces)), tracer_(occluders_), lights_(scene) {
+      : scene_(scene),
+        options_(options),
+        occluders_(occluder_scene(faces)),
+        tracer_(occluders_),
+        lights_(scene),
+        media_(scene) {
     double size = 0;
     for (const Vec3d& v : faces.vertices) size = std::max(size, largest_component(v));
     error_ = float_error * size;
@@ -152,7 +159,7 @@ class Gatherer {
   }
   [[nodiscard]] std::optional<Vec3d> flux(std::size_t number) const {
     const auto& source = lights_.light(used_[number]);
-    return source.kind == LightSampler::Kind::punctual ? own_flux(scene_.lights[source.index]) : std::nullopt;
+    return source.kind == LightSampler::Kind::punctual ? own_flux(scene_, scene_.lights[source.index]) : std::nullopt;
   }
 
   [[nodiscard]] Vec3d irradiance(const PatchMesh& elements, std::size_t element, std::size_t number) const {
@@ -187,7 +194,7 @@ class Gatherer {
     add_shadow_rays(receiver, light, 0, options_.samples, sums);
     if (!sums.is_even()) add_shadow_rays(receiver, light, options_.samples, refinement * options_.samples, sums);
     if (!(sums.seen > 0)) return Vec3d(0);
-    const auto whole = unhindered(receiver, kind);
+    const auto whole = media_.none() ? unhindered(receiver, kind) : std::nullopt;
     return whole ? (sums.seen / sums.all) * *whole : sums.arrived / static_cast<double>(sums.count);
   }
 
@@ -197,7 +204,7 @@ class Gatherer {
       return -dot(far->direction, receiver.normal()) * Vec3d(far->irradiance);
     }
     const auto* point = std::get_if<PointLight>(&kind);
-    if (point == nullptr || !point->inverse_square || std::isfinite(point->range)) return std::nullopt;
+    if (point == nullptr || point->web || !point->inverse_square || std::isfinite(point->range)) return std::nullopt;
     return (solid_angle(receiver.polygon(), point->position) / receiver.area()) * Vec3d(point->intensity);
   }
 
@@ -210,7 +217,8 @@ class Gatherer {
         const SurfacePoint& from = receiver.point(static_cast<std::uint32_t>(start + i));
         const auto sample = lights_.sample_light(light, from, Vec2d(0));
         if (!sample) continue;
-        brought[i] = std::max(0.0, dot(sample->direction, receiver.normal())) * Vec3d(sample->radiance);
+        brought[i] = std::max(0.0, dot(sample->direction, receiver.normal())) * Vec3d(sample->radiance) *
+                     left_by_air(sample->shadow_ray);
         set_lane(packet, i, sample->shadow_ray);
       }
       tracer_.occluded(packet, true);
@@ -246,8 +254,9 @@ class Gatherer {
         const double cosine = dot(direction, receiver.normal());
         if (!(cosine > 0)) continue;
         const double density = sky.has_picture() ? 0.5 * (cosine / pi + sky.pdf(direction)) : cosine / pi;
-        brought[i] = (cosine / density) * Vec3d(sky.radiance(direction));
-        set_lane(packet, i, leave(receiver.point(index), direction));
+        const Ray ray = leave(receiver.point(index), direction);
+        brought[i] = (cosine / density) * Vec3d(sky.radiance(direction)) * left_by_air(ray);
+        set_lane(packet, i, ray);
       }
       tracer_.occluded(packet, false);
       for (int i = 0; i < lanes; ++i) {
@@ -257,11 +266,16 @@ class Gatherer {
     return sum / static_cast<double>(options_.sky_samples);
   }
 
+  [[nodiscard]] Vec3d left_by_air(const Ray& ray) const {
+    return media_.none() ? Vec3d(1) : Vec3d(media_.transmittance(std::nullopt, ray));
+  }
+
   const Scene& scene_;
   const DirectIrradianceOptions& options_;
   Scene occluders_;
   RayTracer tracer_;
   LightSampler lights_;
+  Media media_;
   std::vector<std::size_t> used_;  // lights of the sampler that are no elements
   double error_ = 0;
 };

@@ -23,7 +23,7 @@ DirectLight::DirectLight(const RayTracer& tracer, const RenderOptions& options)
                   options.samples_per_pixel == 1 && options.shadow_samples <= 1 && !options.exact_shadows) {
   most_rays_ = std::max(1, options.shadow_samples);
   everywhere_ = options.shadow_samples_everywhere;
-  exact_ = options.exact_shadows;
+  exact_ = options.exact_shadows && shadow_.media().none();  // a clipped lamp knows no way through fog
   if (exact_ || is_selective()) flat_lamps_.emplace(tracer.scene(), lights_, !options.opaque_shadows, exact_);
 }
 

@@ -48,6 +48,7 @@ class DirectLight {
                                             double roughness_limit, std::size_t light, PixelSampler& sampler) const;
 
   [[nodiscard]] const LightSampler& lights() const { return lights_; }
+  [[nodiscard]] const Shadow& shadow() const { return shadow_; }
   /// True when nothing is half transparent, so that one occlusion query decides.
   [[nodiscard]] bool is_binary() const { return shadow_.is_binary(); }
 

@@ -9,13 +9,14 @@ namespace {
 std::optional<PacketLight> punctual(const Light& light) {
   PacketLight out;
   if (const auto* far = std::get_if<DirectionalLight>(&light.kind)) {
+    if (far->angular_radius > 0) return std::nullopt;
     out.kind = PacketLight::Kind::far;
     out.position = Vec3f(-far->direction);
     out.strength = far->irradiance;
     return out;
   }
   const auto* point = std::get_if<PointLight>(&light.kind);
-  if (point == nullptr) return std::nullopt;
+  if (point == nullptr || point->web) return std::nullopt;
   out.kind = PacketLight::Kind::point;
   out.position = Vec3f(point->position);
   out.strength = point->intensity;

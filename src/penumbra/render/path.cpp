@@ -1,12 +1,16 @@
+#include <bit>
 #include <cmath>
 
+#include "penumbra/math/sampling.h"
 #include "penumbra/math/spectrum.h"
+#include "penumbra/render/airlight.h"
 #include "penumbra/render/first_surface.h"
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/interior.h"
 #include "penumbra/tracing/shading/light_sampling.h"
+#include "penumbra/tracing/shading/phase_function.h"
 #include "penumbra/tracing/shading/shadow.h"
 
 namespace penumbra {
@@ -17,9 +21,8 @@ namespace {
 constexpr int sure_bounces = 3;
 constexpr double most_survival = 0.95;
 
-// Of two ways to find the same light, the share of one with density `a` (Veach & Guibas 1995, power heuristic, exponent
-// 2).
-double power_heuristic(double a, double b) { return a * a / (a * a + b * b); }
+// Scatterings before which light in the air is also looked for by equiangular distances: where it is seen.
+constexpr int equiangular_bounces = 2;
 
 Vec3d facing(const Bsdf& bsdf, const Vec3d& wo) {
   const Vec3d& n = bsdf.shading_normal();
@@ -35,6 +38,7 @@ class Path final : public RayIntegrator {
         tracer_(tracer),
         lights_(tracer.scene()),
         shadow_(tracer, false),
+        airlight_(lights_, shadow_),
         max_depth_(options.max_depth),
         front_sides_only_(options.front_sides_only) {}
 
@@ -57,14 +61,21 @@ class Path final : public RayIntegrator {
 
   [[nodiscard]] Rgb sky(const Walk& walk) const;
   [[nodiscard]] Rgb emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface) const;
-  [[nodiscard]] Rgb light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth,
+  [[nodiscard]] Rgb light_by_sampling(const Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
                                       PixelSampler& sampler, RayCounts& rays) const;
+  // Whether a walk ends here, by depth or Russian roulette; else it is one bounce deeper.
+  [[nodiscard]] static bool goes_on(Walk& walk, PixelSampler& sampler);
+  // Takes the walk through the media on its way to `hit`; true when it was scattered before.
+  [[nodiscard]] bool scatters_before(const std::optional<Hit>& hit, Walk& walk, PixelEstimate& seen,
+                                     PixelSampler& sampler, RayCounts& rays) const;
+  void scatter(const Media::Flight& flight, Walk& walk, PixelSampler& sampler) const;
   [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler,
                             RayCounts& rays) const;
 
   const RayTracer& tracer_;
   LightSampler lights_;
   Shadow shadow_;
+  Airlight airlight_;
   int max_depth_;
   bool front_sides_only_;
 };
@@ -77,10 +88,15 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
   count(rays, RayPurpose::primary, 0);
   while (true) {
     const auto hit = tracer_.nearest(walk.ray);
+    if (!shadow_.media().none() && scatters_before(hit, walk, seen, sampler, rays)) {
+      if (is_black(walk.throughput) || !goes_on(walk, sampler)) return seen;
+      count(rays, RayPurpose::diffuse, walk.depth);
+      continue;
+    }
     if (!hit) {
       const Rgb light = walk.throughput * sky(walk);
       seen.radiance += light;
-      if (walk.depth == 0) note_miss(seen, light);
+      if (walk.depth == 0) note_miss(seen, seen.direct + light);
       if (walk.depth == 1) seen.direct += light;
       return seen;
     }
@@ -95,18 +111,19 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
     if (surface.alpha < 1 && sampler.next_1d() >= surface.alpha) {
       count(rays, RayPurpose::refraction, walk.depth);
       walk.start = point.position;
+      walk.interior.cross(tracer_.scene(), point, walk.ray.direction, true);
       walk.ray = leave(point, walk.ray.direction);  // seen through; the walk's memory of its last bounce stays
       continue;
     }
     const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
     Rgb light = walk.throughput * emitted(walk, point, surface);
-    if (walk.depth == 0) note_surface(seen, ray, point, surface, bsdf, Rgb(0));
+    if (walk.depth == 0) note_surface(seen, ray, point, surface, bsdf, seen.direct);
     if (walk.depth <= 1) seen.direct += light;
     seen.radiance += light;
 
     if (max_depth_ > 0 && walk.depth >= max_depth_) return seen;
     if (bsdf.has_spread()) {
-      light = walk.throughput * light_by_sampling(point, bsdf, wo, walk.depth, sampler, rays);
+      light = walk.throughput * light_by_sampling(walk, point, bsdf, wo, sampler, rays);
       if (walk.depth == 0) seen.direct += light;
       seen.radiance += light;
     }
@@ -115,8 +132,8 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
 }
 
 Rgb Path::sky(const Walk& walk) const {
+  if (walk.mirrors_only) return lights_.seen_in_sky(walk.ray.direction);  // directly or in mirrors
   const Rgb radiance = lights_.environment().radiance(walk.ray.direction);
-  if (walk.mirrors_only) return radiance;  // seen directly or in mirrors
   if (!lights_.environment().lights_surfaces()) return Rgb(0);
   if (walk.bsdf_pdf == 0) return radiance;
   return radiance * static_cast<float>(
@@ -133,19 +150,80 @@ Rgb Path::emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMate
          static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.pdf(walk.last_position, point, walk.last_facing)));
 }
 
-Rgb Path::light_by_sampling(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, int depth,
+Rgb Path::light_by_sampling(const Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
                             PixelSampler& sampler, RayCounts& rays) const {
   const double u_light = sampler.next_1d();
   const auto s = lights_.sample(point, u_light, sampler.next_2d(), facing(bsdf, wo));
   if (!s) return Rgb(0);
   const Rgb f = bsdf.evaluate(wo, s->direction);
   if (is_black(f)) return Rgb(0);
-  count(rays, RayPurpose::shadow, depth);
-  const Rgb passed = shadow_.transmittance(s->shadow_ray);
+  count(rays, RayPurpose::shadow, walk.depth);
+  Interior inside = walk.interior;
+  const bool through = dot(point.geometric_normal, wo) * dot(point.geometric_normal, s->direction) < 0;
+  inside.cross(tracer_.scene(), point, s->direction, through);
+  const Rgb passed = shadow_.transmittance(s->shadow_ray, inside);
   if (is_black(passed)) return Rgb(0);
   const double share = s->pdf > 0 ? power_heuristic(s->pdf, bsdf.pdf(wo, s->direction)) : 1;
   const double cosine = std::abs(dot(bsdf.shading_normal(), s->direction));
   return f * passed * s->weight() * static_cast<float>(share * cosine);
+}
+
+bool Path::goes_on(Walk& walk, PixelSampler& sampler) {
+  if (++walk.depth <= sure_bounces) return true;
+  const double survival = std::min(most_survival, static_cast<double>(max_component(walk.throughput)));
+  if (sampler.next_1d() >= survival) return false;
+  walk.throughput /= static_cast<float>(survival);
+  return true;
+}
+
+bool Path::scatters_before(const std::optional<Hit>& hit, Walk& walk, PixelEstimate& seen, PixelSampler& sampler,
+                           RayCounts& rays) const {
+  const Media& media = shadow_.media();
+  Airlight::Way way{walk.ray, walk.interior.innermost(), walk.interior};
+  if (hit) {
+    const SurfacePoint point = tracer_.surface_point(walk.ray, *hit);
+    way.around = walk.interior.around(tracer_.scene(), point, dot(point.geometric_normal, walk.ray.direction) < 0);
+    way.ray.t_max = hit->t;
+    if (walk.depth == 0) {  // what the layers hold is what stands behind the fog
+      const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
+      const Frame frame = frame_towards(surface.shading, point.geometric_normal, -walk.ray.direction);
+      note_surface(seen, walk.ray, point, surface, Bsdf(surface, frame, point.geometric_normal), seen.direct);
+    }
+  }
+  if (way.around) walk.interior.note_inside(*way.around);
+  way.interior = walk.interior;
+  if (!media.scattering_interval(way.around, way.ray)) {
+    walk.throughput *= media.transmittance(way.around, way.ray);
+    return false;
+  }
+  const bool is_last = max_depth_ > 0 && walk.depth >= max_depth_;
+  Rgb light(0);
+  std::optional<Airlight::Anchor> anchor;
+  if (!is_last && walk.depth < equiangular_bounces) anchor = airlight_.choose_anchor(way, sampler.next_1d());
+  if (anchor) light += walk.throughput * airlight_.by_angles(way, *anchor, walk.throughput, walk.depth, sampler, rays);
+
+  CounterRng steps(std::bit_cast<std::uint64_t>(sampler.next_1d()));
+  const Media::Flight flight = media.fly(way.around, way.ray, walk.throughput, sampler.next_2d(), steps);
+  if (flight.collided && !is_last) {
+    const Rgb arriving = walk.throughput * flight.weight;
+    light += arriving * airlight_.at_collision(way, flight, anchor, walk.throughput, walk.depth, sampler, rays);
+  }
+  if (walk.depth == 0) seen.direct += light;
+  seen.radiance += light;
+  walk.throughput *= is_last && flight.collided ? Rgb(0) : flight.weight;
+  if (!flight.collided) return false;
+  scatter(flight, walk, sampler);
+  return true;
+}
+
+void Path::scatter(const Media::Flight& flight, Walk& walk, PixelSampler& sampler) const {
+  const HenyeyGreenstein phase(tracer_.scene().media[flight.medium].asymmetry);
+  const Vec3d forward = walk.ray.direction;
+  walk.ray = {.origin = walk.ray.at(flight.distance), .direction = phase.sample(forward, sampler.next_2d())};
+  walk.bsdf_pdf = phase.value(dot(forward, walk.ray.direction));
+  walk.start = walk.last_position = walk.ray.origin;
+  walk.last_facing = Vec3d(0);
+  walk.mirrors_only = false;
 }
 
 // Chooses where the path goes on; false when it ends.
@@ -155,12 +233,7 @@ bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, Pixel
   const auto s = bsdf.sample(-walk.ray.direction, u_lobe, sampler.next_2d());
   if (!s) return false;
   walk.throughput *= s->weight;
-  if (is_black(walk.throughput)) return false;
-  if (++walk.depth > sure_bounces) {
-    const double survival = std::min(most_survival, static_cast<double>(max_component(walk.throughput)));
-    if (sampler.next_1d() >= survival) return false;
-    walk.throughput /= static_cast<float>(survival);
-  }
+  if (is_black(walk.throughput) || !goes_on(walk, sampler)) return false;
   walk.bsdf_pdf = s->pdf;
   walk.start = walk.last_position = point.position;
   walk.last_facing = facing(bsdf, -walk.ray.direction);

@@ -25,6 +25,7 @@ RadiosityView::RadiosityView(const PatchMesh& elements, std::span<const double> 
     : shading_(make_shading_mesh(elements)),
       options_(options),
       environment_(scene),
+      media_(scene),
       reflectance_(elements.reflectance),
       emission_(elements.emission) {
   for (std::size_t i = 0; i < elements.radiating_count; ++i) {
@@ -63,6 +64,17 @@ double RadiosityView::outline(std::uint32_t element, const Vec3d& position, doub
 }
 
 RadiosityView::Sight RadiosityView::look(const Ray& ray) const {
+  Sight sight = look_through_clear_air(ray);
+  if (media_.none()) return sight;
+  Ray way = ray;
+  if (sight.hit) way.t_max = sight.distance;
+  const Rgb left = media_.transmittance(std::nullopt, way);
+  sight.radiance *= left;
+  sight.emission *= left;
+  return sight;
+}
+
+RadiosityView::Sight RadiosityView::look_through_clear_air(const Ray& ray) const {
   const std::optional<ElementSight::Place> seen = sight_->nearest(ray);
   Sight sight;
   if (!seen) {

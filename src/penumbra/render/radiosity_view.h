@@ -12,6 +12,7 @@
 #include "penumbra/render/render.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/environment_map.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 
@@ -31,7 +32,8 @@ struct RadiosityViewOptions {
 ///
 /// Rays meet the elements themselves, so each picture is exact for them and has no noise. Irradiance is interpolated
 /// over the shading mesh and multiplied by each element's own reflectance; emission is added, so that lamps shine.
-/// Elements seen from a side that has none are black; rays that meet none see the environment.
+/// Air that absorbs dims what is seen through it. Elements seen from a side that has none are black; rays that meet
+/// none see the environment.
 class RadiosityView {
  public:
   /// @param elements each patch an element. @param irradiance of the elements from everywhere, [element * 3 + band],
@@ -53,11 +55,13 @@ class RadiosityView {
   [[nodiscard]] Sight look(const Ray& ray) const;
 
  private:
+  [[nodiscard]] Sight look_through_clear_air(const Ray& ray) const;
   [[nodiscard]] double outline(std::uint32_t element, const Vec3d& position, double distance) const;
 
   ShadingMesh shading_;
   RadiosityViewOptions options_;
   EnvironmentMap environment_;
+  Media media_;
   std::vector<Vec3d> normals_;  // of the elements
   std::vector<double> reflectance_, emission_;
   std::vector<std::uint32_t> objects_;

@@ -44,7 +44,7 @@ class Recorder final : public SpecularTree::Visitor {
     noted.end = TreeRay::End::left_scene;
     noted.length = std::numeric_limits<double>::infinity();
     noted.weight = branch.weight;
-    noted.radiance = direct_.lights().environment().radiance(ray.direction);
+    noted.radiance = direct_.lights().seen_in_sky(ray.direction);
     return noted.radiance;
   }
 

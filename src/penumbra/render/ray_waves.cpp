@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 namespace {
@@ -148,7 +149,7 @@ RayWaves::~RayWaves() = default;
 
 std::unique_ptr<RayWaves> RayWaves::make(const RayTracer& tracer, const CameraRays& camera, const LightSampler& lights,
                                          const Options& options) {
-  if (!camera.is_pinhole()) return nullptr;
+  if (!camera.is_pinhole() || !Media(tracer.scene()).none()) return nullptr;
   auto packet_lights = penumbra::packet_lights(tracer.scene(), lights, options.at_middles);
   if (!packet_lights) return nullptr;
   return std::unique_ptr<RayWaves>(new RayWaves(tracer, camera, lights, std::move(*packet_lights), options));

@@ -16,6 +16,7 @@
 #include "penumbra/render/radiosity_view.h"
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/render/two_pass.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 namespace {
@@ -52,6 +53,10 @@ std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const Camer
                                             const RenderOptions& options) {
   switch (options.integrator) {
     case IntegratorKind::appel:
+      if (!Media(tracer.scene()).none()) {
+        throw std::invalid_argument(
+            "appel's rays end at the first surface and know no fog, smoke or other media; render with whitted or path");
+      }
       return make_appel(tracer, camera, options);
     case IntegratorKind::whitted:
       return make_whitted(tracer, camera, options);
@@ -254,6 +259,9 @@ RenderResult render(const RadiosityView& view, const Camera& camera, const Rende
 RenderResult render(const RayTracer& tracer, const DiffuseLight& light, const Camera& camera,
                     const RenderOptions& options, const Progress& progress) {
   check(options);
+  if (!Media(tracer.scene()).none()) {
+    throw std::invalid_argument("two-pass knows no fog, smoke or other media; render with whitted or path");
+  }
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
   return draw(*make_two_pass(tracer, light, rays, options), options, progress, began);

@@ -79,7 +79,8 @@ class TwoPass::Eye final : public SpecularTree::Visitor {
     const EnvironmentMap& environment = owner_.gloss_light_.lights().environment();
     if (branch.depth == lampless_depth_ && environment.lights_surfaces()) return Rgb(0);
     if (seen_ == nullptr && !environment.lights_surfaces()) return Rgb(0);
-    const Rgb radiance = environment.radiance(ray.direction);
+    const Rgb radiance = seen_ != nullptr ? owner_.gloss_light_.lights().seen_in_sky(ray.direction)
+                                          : environment.radiance(ray.direction);
     if (seen_ != nullptr && branch.depth == 0) note_miss(*seen_, radiance);
     return radiance;
   }

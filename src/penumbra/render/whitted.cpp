@@ -1,3 +1,4 @@
+#include "penumbra/render/airlight.h"
 #include "penumbra/render/direct_light.h"
 #include "penumbra/render/first_surface.h"
 #include "penumbra/render/integrator.h"
@@ -22,6 +23,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
         camera_(camera),
         tree_(tracer, options.front_sides_only),
         direct_(tracer, options),
+        airlight_(direct_.lights(), direct_.shadow()),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
         min_throughput_(static_cast<float>(options.min_throughput)) {
     if (direct_.is_selective()) direct_.send_more_at(scout_shadows(direct_, tree_, camera, options, first_pass_));
@@ -67,14 +69,22 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
                                              sampler_, rays_);
       }
       if (node.branch.depth == 0) {
-        note_surface(seen_, node.ray, node.point, node.surface, node.bsdf, node.passed * node.surface.alpha * radiance);
+        note_surface(seen_, node.ray, node.point, node.surface, node.bsdf,
+                     airlight_ + node.passed * node.surface.alpha * radiance);
       }
       return radiance;
     }
 
     Rgb sky(const Ray& ray, const SpecularTree::Branch& branch) override {
-      const Rgb radiance = owner_.direct_.lights().environment().radiance(ray.direction);
-      if (branch.depth == 0) note_miss(seen_, radiance);
+      const Rgb radiance = owner_.direct_.lights().seen_in_sky(ray.direction);
+      if (branch.depth == 0) note_miss(seen_, airlight_ + radiance);
+      return radiance;
+    }
+
+    Rgb air(const SpecularTree::Stretch& stretch) override {
+      const Airlight::Way way{stretch.ray, stretch.around, stretch.branch.interior};
+      const Rgb radiance = owner_.airlight_.scattered_once(way, stretch.branch.depth, sampler_, rays_);
+      if (stretch.branch.depth == 0) airlight_ = radiance;
       return radiance;
     }
 
@@ -91,6 +101,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     PixelSampler& sampler_;
     RayCounts& rays_;
     PixelEstimate& seen_;
+    Rgb airlight_{0};  ///< along the camera ray
   };
 
   Rgb trace(const Ray& ray, const Rgb& weight, int depth, PixelSampler& sampler, RayCounts& rays) const override {
@@ -102,6 +113,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
   CameraRays camera_;
   SpecularTree tree_;
   DirectLight direct_;
+  Airlight airlight_;
   RayCounts first_pass_;
   int max_depth_;
   float min_throughput_;

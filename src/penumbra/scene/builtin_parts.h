@@ -16,6 +16,8 @@ namespace penumbra {
 [[nodiscard]] Scene make_box345(const BuiltinParameters& parameters);
 [[nodiscard]] Scene make_atrium(const BuiltinParameters& parameters);
 [[nodiscard]] Scene make_city(const BuiltinParameters& parameters);
+[[nodiscard]] Scene make_fog(const BuiltinParameters& parameters);
+[[nodiscard]] Scene make_smoke(const BuiltinParameters& parameters);
 
 // What they share.
 

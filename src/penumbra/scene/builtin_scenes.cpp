@@ -47,6 +47,17 @@ const std::vector<Entry>& entries() {
        "street canyons: flat-roofed buildings of differing heights under an open sky, about as many facets as you name",
        {{.key = "facets", .fallback = 2000, .lower = 100, .upper = 1000000, .whole = true}},
        make_city},
+      {"fog",
+       "a spot light through fog in a dark hall, and the shadows of columns and a ball in its beam",
+       {{.key = "sigma_t", .fallback = 0.15, .lower = 0, .upper = 100, .unit = "1/m"},
+        {.key = "albedo", .fallback = 0.95, .lower = 0, .upper = 1},
+        {.key = "g", .fallback = 0.3, .lower = -0.99, .upper = 0.99}},
+       make_fog},
+      {"smoke",
+       "a column of smoke from a procedural density grid, under the sun",
+       {{.key = "cells", .fallback = 96, .lower = 8, .upper = 512, .whole = true},
+        {.key = "density", .fallback = 10, .lower = 0, .upper = 1000, .unit = "1/m"}},
+       make_smoke},
   };
   return list;
 }

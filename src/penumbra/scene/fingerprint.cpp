@@ -73,6 +73,7 @@ void add_material(const Material& m, Hash& ways, Hash& light) {
         static_cast<float>(m.thin_walled), static_cast<float>(m.unlit), static_cast<float>(m.alpha_mode)}) {
     ways.add(x);
   }
+  if (m.medium) ways.add(std::uint64_t{*m.medium});
   ways.add(m.mirror);
   ways.add(m.specular_colour);
   ways.add(m.attenuation_colour);
@@ -94,14 +95,21 @@ void add_light(const Light& l, Hash& ways, Hash& light) {
   if (const auto* p = std::get_if<PointLight>(&l.kind)) {
     ways.add(p->position), ways.add(p->range), ways.add(static_cast<float>(p->inverse_square));
     light.add(p->intensity);
+    if (p->web) ways.add(std::uint64_t{p->web->web}), ways.add(p->web->nadir), ways.add(p->web->zero);
   } else if (const auto* s = std::get_if<SpotLight>(&l.kind)) {
     ways.add(s->position), ways.add(s->direction), ways.add(s->range);
     ways.add(s->inner_angle), ways.add(s->outer_angle);
     light.add(s->intensity);
   } else if (const auto* d = std::get_if<DirectionalLight>(&l.kind)) {
-    ways.add(d->direction);
+    ways.add(d->direction), ways.add(d->angular_radius);
     light.add(d->irradiance);
   }
+}
+
+void add_medium(const Medium& m, Hash& ways) {
+  ways.add(m.absorption), ways.add(m.scattering), ways.add(m.asymmetry);
+  if (m.box) ways.add(m.box->lower), ways.add(m.box->upper);
+  if (m.density) ways.add(m.density->box.lower), ways.add(m.density->box.upper), ways.add_all(m.density->values);
 }
 
 }  // namespace
@@ -111,6 +119,11 @@ SceneFingerprint fingerprint(const Scene& scene) {
   add_surfaces(scene, ways);
   for (const Material& m : scene.materials) add_material(m, ways, light);
   for (const Light& l : scene.lights) add_light(l, ways, light);
+  for (const PhotometricWeb& web : scene.webs) {
+    ways.add_all(web.vertical), ways.add_all(web.horizontal), ways.add_all(web.candela);
+  }
+  for (const Medium& m : scene.media) add_medium(m, ways);
+  if (!scene.air.empty()) ways.add_all(scene.air);
   ways.add(std::uint64_t{scene.environment ? 1U + scene.environment->image.value_or(0xffffffU) : 0U});
   light.add(scene.environment ? scene.environment->radiance : Rgb(0));
   for (const Mesh& mesh : scene.meshes) {

@@ -7,12 +7,13 @@
 #include <variant>
 
 #include "penumbra/math/spectrum.h"
+#include "penumbra/scene/photometric_web.h"
 
 namespace penumbra {
 
 // Lights without a body. Area lights are the emissive surfaces of the scene itself.
 
-/// Shines the same in all directions from one point.
+/// Shines from one point: the same in all directions, or as a photometric web says.
 struct PointLight {
   Vec3d position{0};
   Rgb intensity{1.0F};                                     ///< W/sr
@@ -20,6 +21,8 @@ struct PointLight {
   /// Whitted 1979 and many classical scenes know no distance falloff: then `intensity` / pi is not divided
   /// by the squared distance, and a matt surface facing the light reflects radiance base_colour * intensity.
   bool inverse_square = true;
+  /// A luminaire that was measured: `intensity` is then that of 1 cd, times candela_towards().
+  std::optional<WebPlacement> web{};
 };
 
 /// A point light in a cone, with the falloff of KHR_lights_punctual between the two half-angles.
@@ -32,10 +35,11 @@ struct SpotLight {
   double range = std::numeric_limits<double>::infinity();
 };
 
-/// A far light: parallel rays.
+/// A far light: parallel rays, or those of a disk in the sky such as the sun.
 struct DirectionalLight {
   Vec3d direction{0, 0, -1};  ///< unit, the way light goes
   Rgb irradiance{1.0F};       ///< W/m^2 on a surface that faces it
+  double angular_radius = 0;  ///< rad, of an even disk around -direction; 0: parallel rays
 };
 
 /// The classical stand-in for interreflection (the I_a of Phong 1975 and Whitted 1979): `appel` and `whitted`

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -43,6 +44,10 @@ struct Material {
   bool thin_walled = false;      ///< no refraction, no absorption: glTF without KHR_materials_volume
   Rgb attenuation_colour{1.0F};  ///< what remains of white light after attenuation_distance
   float attenuation_distance = std::numeric_limits<float>::infinity();  ///< m
+
+  /// Index into Scene::media: what the closed surface holds. Light gets in where the surface is transparent; one that
+  /// is not to be seen itself has AlphaMode::blend and alpha 0.
+  std::optional<std::uint32_t> medium{};
 
   Rgb mirror{0.0F};                       ///< ideal specular reflectance, the same at every angle (Whitted's k_s)
   std::optional<ConductorIor> conductor;  ///< exact Fresnel of a metal in place of Schlick's for the metallic part

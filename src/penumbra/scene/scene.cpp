@@ -158,6 +158,53 @@ void validate_image(const TextureImage& image, const Subject& subject) {
   }
 }
 
+void validate_medium(const Medium& m, const Subject& subject) {
+  const auto is_coefficient = [](const Rgb& c) { return finite(c) && c.x >= 0 && c.y >= 0 && c.z >= 0; };
+  subject.require(is_coefficient(m.absorption) && is_coefficient(m.scattering),
+                  "its absorption and scattering must be finite and 0 or more, in 1/m");
+  subject.require(std::abs(m.asymmetry) < 1, "its asymmetry g must lie between -1 and 1");
+  const auto is_box = [](const Bounds& b) {
+    return finite(b.lower) && finite(b.upper) && b.lower.x < b.upper.x && b.lower.y < b.upper.y &&
+           b.lower.z < b.upper.z;
+  };
+  subject.require(!m.box || is_box(*m.box), "its box has no volume");
+  if (!m.density) return;
+  const DensityGrid& grid = *m.density;
+  subject.require(is_box(grid.box), "the box of its density has no volume");
+  const std::size_t count = std::size_t{grid.cells[0]} * grid.cells[1] * grid.cells[2];
+  subject.require(count > 0 && grid.values.size() == count,
+                  fmt::format("its density holds {} values for {} cells", grid.values.size(), count));
+  subject.require(std::ranges::all_of(grid.values, [](float v) { return finite(v) && v >= 0; }),
+                  "its density must be finite and 0 or more everywhere");
+}
+
+void validate_web(const PhotometricWeb& web, const Subject& subject) {
+  const auto ascending = [](const std::vector<double>& a) {
+    return !a.empty() && std::is_sorted(a.begin(), a.end()) && finite(a.front()) && finite(a.back());
+  };
+  subject.require(ascending(web.vertical) && ascending(web.horizontal), "its angles do not ascend");
+  subject.require(web.candela.size() == web.vertical.size() * web.horizontal.size(),
+                  "has not one candela value for each pair of angles");
+  subject.require(std::ranges::all_of(web.candela, [](double v) { return finite(v) && v >= 0; }),
+                  "its candela values must be finite and 0 or more");
+}
+
+void validate_media(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.media.size(); ++i) {
+    validate_medium(scene.media[i], {"medium", i, scene.media[i].name});
+  }
+  const auto exists = [&](std::uint32_t m) { return m < scene.media.size(); };
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const Subject subject{"material", i, scene.materials[i].name};
+    subject.require(exists(scene.materials[i].medium.value_or(0)) || !scene.materials[i].medium,
+                    "names a medium beyond those of the scene");
+  }
+  const Subject air{"air", 0, ""};
+  air.require(std::ranges::all_of(scene.air, exists), "names a medium beyond those of the scene");
+  air.require(scene.air.size() <= most_media_in_air,
+              fmt::format("holds {} media, but no more than {} may stand in it", scene.air.size(), most_media_in_air));
+}
+
 struct LightCheck {
   Subject subject;
 
@@ -264,12 +311,18 @@ void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.images.size(); ++i) {
     validate_image(scene.images[i], {"image", i, scene.images[i].name});
   }
+  for (std::size_t i = 0; i < scene.webs.size(); ++i) validate_web(scene.webs[i], {"web", i, scene.webs[i].name});
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const auto* point = std::get_if<PointLight>(&scene.lights[i].kind);
+    Subject{"light", i, scene.lights[i].name}.require(
+        point == nullptr || !point->web || point->web->web < scene.webs.size(),
+        "names a photometric web beyond those of the scene");
     std::visit(LightCheck{Subject{"light", i, scene.lights[i].name}}, scene.lights[i].kind);
   }
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
     validate_camera(scene.cameras[i], {"camera", i, scene.cameras[i].name});
   }
+  validate_media(scene);
   if (scene.environment) {
     const Subject subject{"environment", 0, ""};
     subject.require(finite(scene.environment->radiance), "its radiance is not finite");

@@ -9,6 +9,7 @@
 #include "penumbra/scene/camera.h"
 #include "penumbra/scene/light.h"
 #include "penumbra/scene/material.h"
+#include "penumbra/scene/medium.h"
 #include "penumbra/scene/mesh.h"
 #include "penumbra/scene/shape.h"
 #include "penumbra/scene/texture.h"
@@ -40,7 +41,12 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<TextureImage> images;
   std::vector<Light> lights;
+  std::vector<PhotometricWeb> webs;  ///< of lights that have one
   std::optional<Environment> environment;
+  std::vector<Medium> media;
+  /// Indices into media: what fills the open air. Inside closed surfaces that are seen through (glass, or a material
+  /// with a medium) their own medium stands instead. At most `most_media_in_air`; where several are, they add up.
+  std::vector<std::uint32_t> air;
   std::vector<Camera> cameras;
 
   [[nodiscard]] std::size_t object_count() const { return instances.size() + shapes.size(); }

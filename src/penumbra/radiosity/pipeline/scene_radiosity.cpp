@@ -11,6 +11,7 @@
 #include "penumbra/radiosity/meshing/adaptive_elements.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/uniform.h"
+#include "penumbra/radiosity/pipeline/weakened_factors.h"
 #include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/factor_rows.h"
 #include "penumbra/radiosity/solvers/shooting.h"
@@ -160,6 +161,22 @@ void add_light_by_mirrors(const Scene& scene, const RadiositySetupOptions& optio
   setup.partial = setup.partial || found.partial;
 }
 
+double absorbed_by_air(const RadiositySetup& setup, const RadiositySolution& solution) {
+  double power = 0;
+  for (std::size_t i = 0; i < setup.taken_by_air.size(); ++i) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      power += setup.mesh.surfaces[i].area * solution.radiosity[3 * i + b] * setup.taken_by_air[i];
+    }
+  }
+  return power;
+}
+
+void refuse_mirrors_in_air(const SpecularElements& specular, const AbsorbingAir& air) {
+  if (air.is_clear() || !specular.any()) return;
+  throw std::invalid_argument(
+      "light by way of mirrors and glass is not followed through absorbing air; --specular-rays 0 leaves it out");
+}
+
 // Mean standard error of what comes by way of mirrors and glass, as a share of the mean irradiance.
 double specular_error(const RadiositySetup& setup, const RadiositySolution& solution) {
   const double all = power_of(setup.problem, solution.irradiance);
@@ -216,13 +233,15 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   setup->front_sides_only = options.front_sides_only;
   Stopwatch watch;
   progress.tell("mesh", 0);
-  if (refines_as_it_shoots(scene, options)) {
+  const AbsorbingAir air(scene);
+  if (air.is_clear() && refines_as_it_shoots(scene, options)) {
     prepare_refining(scene, options, progress, *setup);
     setup->seconds.mesh = watch.lap();
     return setup;
   }
   make_elements(scene, options, progress, *setup);
   const SpecularElements specular = leave_to_mirrors(scene, options.specular_rays > 0, *setup);
+  refuse_mirrors_in_air(specular, air);
   setup->problem = make_radiosity_problem(setup->mesh);
   setup->seconds.mesh = watch.lap();
 
@@ -234,11 +253,12 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   factor_options.seed = options.seed;
   auto method = make_form_factor_method(options.form_factors, setup->mesh, factor_options);
   const bool small = options.form_factors == "auto" && setup->mesh.surface_count() <= most_with_matrix;
-  if (options.solver == "shooting" && method->computes_rows() && !small) {
+  if (options.solver == "shooting" && method->computes_rows() && !small && air.is_clear()) {
     setup->row_method = std::move(method);
   } else {
     refuse_what_does_not_fit(options, setup->mesh.surface_count());
     setup->factors = assemble_factor_matrix(*method, setup->mesh, progress);
+    if (!air.is_clear()) setup->taken_by_air = weaken_factors(setup->mesh, air, setup->factors);
   }
   setup->partial = setup->partial || direct.partial || setup->factors.partial;
   setup->seconds.form_factors = watch.lap();
@@ -272,6 +292,8 @@ SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
   }
   solution.partial = solution.partial || setup.partial;
   if (setup.problem.specular) result.specular_error = specular_error(setup, solution);
+  result.absorbed_by_air = absorbed_by_air(setup, solution);
+  solution.energy.escaped -= result.absorbed_by_air;
   if (setup.front_sides_only) {
     result.absorbed_by_backs = absorbed_by_backs(setup, solution);
     solution.energy.absorbed -= result.absorbed_by_backs;

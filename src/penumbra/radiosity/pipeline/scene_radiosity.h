@@ -57,8 +57,9 @@ struct RadiositySetup {
   FactorMatrix factors;
   /// What lights without a body bring, straight and by way of mirrors and glass, by their strength.
   std::vector<LightIrradiance> lights, specular_lights;
-  std::uint64_t specular_rays = 0;  ///< traced
-  std::vector<bool> passes_light;   ///< by element: all light that it does not absorb goes on by mirrors and glass
+  std::uint64_t specular_rays = 0;   ///< traced
+  std::vector<double> taken_by_air;  ///< by element: what absorbing air took of its row sum; empty in clear air
+  std::vector<bool> passes_light;    ///< by element: all light that it does not absorb goes on by mirrors and glass
   std::string solver;
   bool front_sides_only = false;
   bool partial = false;  ///< stopped before factors and direct light were complete
@@ -70,7 +71,8 @@ struct RadiositySetup {
 
 /// The scene must outlive the setup. Elements, direct irradiance of the lights without a body, and form factors.
 /// Stopped early it returns what there is, marked partial: missing factors read as 0. Throws std::invalid_argument for
-/// options out of range, a scene that has no elements, or factors beyond `factor_memory`.
+/// options out of range, a scene that has no elements, factors beyond `factor_memory`, or air that radiosity does not
+/// know (AbsorbingAir).
 [[nodiscard]] std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene,
                                                                    const RadiositySetupOptions& options,
                                                                    const Progress& progress = {});
@@ -84,6 +86,7 @@ void relight(const Scene& scene, RadiositySetup& setup);
 /// A solved scene.
 struct SceneRadiosity {
   RadiositySolution solution;    ///< its energy without what backs absorbed, when they are black
+  double absorbed_by_air = 0;    ///< W, summed over bands, on the way between elements; no part of what escaped
   double absorbed_by_backs = 0;  ///< W, summed over bands; 0 unless front_sides_only
   /// Standard error of the irradiance that comes by way of mirrors and glass, for it is sampled: mean over the
   /// elements' area, as a share of the mean irradiance. 0 without such light.

@@ -66,7 +66,8 @@ void LightSampler::add_punctual() {
     const auto& kind = scene_->lights[i].kind;
     double power = 0;
     if (const auto* point = std::get_if<PointLight>(&kind)) {
-      power = 4 * pi * luminance(point->intensity) * (point->inverse_square ? 1 : scene_radius_ * scene_radius_);
+      power = luminance(point->intensity) * (point->inverse_square ? 1 : scene_radius_ * scene_radius_) *
+              (point->web ? luminous_flux(scene_->webs[point->web->web]) : 4 * pi);
     } else if (const auto* spot = std::get_if<SpotLight>(&kind)) {
       power = 2 * pi * (1 - std::cos(0.5 * (spot->inner_angle + spot->outer_angle))) * luminance(spot->intensity);
     } else if (const auto* far = std::get_if<DirectionalLight>(&kind)) {
@@ -197,6 +198,7 @@ void LightSampler::make_choice() {
   constexpr std::uint32_t none = 0xFFFFFFFFU;
   part_of_light_.assign(lights_.size(), none);
   part_of_triangle_.resize(lights_.size());
+  places_.resize(lights_.size());
   std::vector<LightTree::Emitter> emitters;
   double far_power = 0, all_power = 0;
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
@@ -215,13 +217,16 @@ void LightSampler::make_choice() {
     if (source.kind == Kind::mesh) {
       part_of_triangle_[i].assign(scene_->meshes[scene_->instances[source.index].mesh].triangles.size(), none);
     }
+    Bounds bounds;
     for (std::uint32_t t = 0; t < std::max<std::size_t>(1, source.triangles.size()); ++t) {
       if (source.kind == Kind::mesh) {
         part_of_triangle_[i][source.triangles[t]] = static_cast<std::uint32_t>(parts_.size());
       }
       parts_.push_back({i, t});
       emitters.push_back(emitter(source, t));
+      bounds.grow(emitters.back().bounds);
     }
+    places_[i] = bounds.centre();
   }
   tree_ = LightTree(emitters);
   far_chance_ = all_power > 0 ? far_power / all_power : 0;
@@ -233,7 +238,7 @@ std::optional<LightSample> LightSampler::sample_light(std::size_t light, const S
   const Source& source = lights_[light];
   switch (source.kind) {
     case Kind::punctual:
-      return sample_punctual(source, from);
+      return sample_punctual(source, from, u);
     case Kind::mesh:
       return sample_lamp(light, from, u);
     case Kind::shape:
@@ -253,7 +258,7 @@ bool LightSampler::has_middle(std::size_t light) const {
 
 std::optional<LightSample> LightSampler::sample_middle(std::size_t light, const SurfacePoint& from) const {
   const Source& source = lights_[light];
-  if (source.kind == Kind::punctual) return sample_punctual(source, from);
+  if (source.kind == Kind::punctual) return sample_punctual(source, from, Vec2d(0));
   // On the axis of the cone that a sphere fills.
   if (!source.middle) return has_middle(light) ? sample_shape(source, from, Vec2d(0)) : std::nullopt;
   const Middle& middle = *source.middle;
@@ -307,12 +312,19 @@ std::optional<LightSample> LightSampler::sample(const SurfacePoint& from, double
   return s;
 }
 
-std::optional<LightSample> LightSampler::sample_punctual(const Source& source, const SurfacePoint& from) const {
+std::optional<LightSample> LightSampler::sample_punctual(const Source& source, const SurfacePoint& from,
+                                                         const Vec2d& u) const {
   const auto& kind = scene_->lights[source.index].kind;
   LightSample s;
   if (const auto* far = std::get_if<DirectionalLight>(&kind)) {
     s.direction = -far->direction;
     s.radiance = far->irradiance;
+    if (far->angular_radius > 0) {
+      // A disk of even radiance E / (pi sin^2), drawn by its solid angle 2 pi (1 - cos).
+      const double cosine = std::cos(far->angular_radius);
+      s.direction = Frame(s.direction).to_world(sample_cone(u, cosine));
+      s.radiance *= static_cast<float>(2 / (1 + cosine));
+    }
     s.shadow_ray = leave(from, s.direction);
     return s;
   }
@@ -328,8 +340,9 @@ std::optional<LightSample> LightSampler::sample_punctual(const Source& source, c
     s.radiance = point->intensity * static_cast<float>(pi);
     return s;
   }
-  const double window =
+  double window =
       range_window(distance, point ? point->range : spot->range) * (spot ? spot_window(*spot, -s.direction) : 1);
+  if (point && point->web) window *= candela_towards(scene_->webs[point->web->web], *point->web, -s.direction);
   if (window <= 0) return std::nullopt;
   s.radiance = (point ? point->intensity : spot->intensity) * static_cast<float>(window / (distance * distance));
   return s;
@@ -419,6 +432,18 @@ std::optional<LightSample> LightSampler::sample_environment(const SurfacePoint& 
   s.radiance = environment_.radiance(s.direction);
   s.shadow_ray = leave(from, s.direction);
   return s;
+}
+
+Rgb LightSampler::seen_in_sky(const Vec3d& direction) const {
+  Rgb radiance = environment_.radiance(direction);
+  for (const std::uint32_t light : far_) {
+    if (lights_[light].kind != Kind::punctual) continue;
+    const auto& far = std::get<DirectionalLight>(scene_->lights[lights_[light].index].kind);
+    const double sine = std::sin(far.angular_radius);
+    const bool seen = sine > 0 && length(cross(direction, far.direction)) < sine && dot(direction, far.direction) < 0;
+    if (seen) radiance += far.irradiance / static_cast<float>(pi * sine * sine);
+  }
+  return radiance;
 }
 
 double LightSampler::pdf(const Vec3d& from, const SurfacePoint& light, const Vec3d& facing) const {

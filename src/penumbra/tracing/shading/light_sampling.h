@@ -55,6 +55,9 @@ class LightSampler {
   [[nodiscard]] std::size_t light_count() const { return lights_.size(); }
   [[nodiscard]] const Source& light(std::size_t number) const { return lights_[number]; }
 
+  /// The middle of a light's bounds, world; none for what has no place: far lights and the environment.
+  [[nodiscard]] std::optional<Vec3d> place(std::size_t light) const { return places_[light]; }
+
   /// A direction towards one light; none when it cannot light the point at all.
   /// @param facing unit normal of the side to be lit: an environment without a picture is then sampled by the cosine
   /// with it. Zero: from all sides alike.
@@ -81,6 +84,8 @@ class LightSampler {
   [[nodiscard]] double environment_pdf(const Vec3d& direction, const Vec3d& facing = Vec3d(0)) const;
 
   [[nodiscard]] const EnvironmentMap& environment() const { return environment_; }
+  /// What is seen where nothing stands: the environment and the disks of far lights. @param direction unit.
+  [[nodiscard]] Rgb seen_in_sky(const Vec3d& direction) const;
   /// Sum of the ambient lights' radiance.
   [[nodiscard]] Rgb ambient() const { return ambient_; }
 
@@ -93,7 +98,8 @@ class LightSampler {
   void make_choice();
   [[nodiscard]] LightTree::Emitter emitter(const Source& source, std::size_t part) const;
 
-  [[nodiscard]] std::optional<LightSample> sample_punctual(const Source& source, const SurfacePoint& from) const;
+  [[nodiscard]] std::optional<LightSample> sample_punctual(const Source& source, const SurfacePoint& from,
+                                                           const Vec2d& u) const;
   [[nodiscard]] std::optional<LightSample> sample_lamp(std::size_t light, const SurfacePoint& from,
                                                        const Vec2d& u) const;
   [[nodiscard]] std::optional<LightSample> sample_triangle_of(const Source& source, std::size_t part, double chance,
@@ -120,6 +126,7 @@ class LightSampler {
     std::uint32_t number;  ///< of a mesh: into its triangles
   };
   LightTree tree_;
+  std::vector<std::optional<Vec3d>> places_;                  ///< by light
   std::vector<Part> parts_;                                   ///< the tree's emitters
   std::vector<std::vector<std::uint32_t>> part_of_triangle_;  ///< by light: of each triangle of the mesh
   std::vector<std::uint32_t> part_of_light_;                  ///< of what is no mesh

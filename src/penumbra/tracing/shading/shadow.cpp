@@ -33,7 +33,8 @@ Rgb crossing(const SurfaceMaterial& surface, const Vec3d& normal, const Vec3d& d
 
 }  // namespace
 
-Shadow::Shadow(const RayTracer& tracer, bool through_glass) : tracer_(&tracer), through_glass_(through_glass) {
+Shadow::Shadow(const RayTracer& tracer, bool through_glass)
+    : tracer_(&tracer), media_(tracer.scene()), through_glass_(through_glass) {
   const auto& materials = tracer.scene().materials;
   binary_ = std::none_of(materials.begin(), materials.end(),
                          [&](const Material& m) { return lets_light_pass(m, through_glass); });
@@ -44,10 +45,11 @@ struct Shadow::Passage {
   Ray rest;
   Vec3d end{0};      // of the whole ray
   Vec3d entered{0};  // where the ray last went into or out of glass
+  Interior interior{};
   Rgb passed{1};
 
-  explicit Passage(const Ray& ray)
-      : rest(ray), end(ray.at(std::isfinite(ray.t_max) ? ray.t_max : 0)), entered(ray.origin) {}
+  explicit Passage(const Ray& ray, const Interior& inside = {})
+      : rest(ray), end(ray.at(std::isfinite(ray.t_max) ? ray.t_max : 0)), entered(ray.origin), interior(inside) {}
 };
 
 // Takes the ray through the surface that it met. False when it ends there: nothing passed, or its end is reached.
@@ -67,6 +69,13 @@ bool Shadow::go_through(Passage& way, const Hit& hit) const {
     }
     way.entered = point.position;
   }
+  if (!media_.none()) {
+    Ray before = way.rest;
+    before.t_max = hit.t;
+    const bool front = dot(point.geometric_normal, direction) < 0;
+    way.passed *= media_.transmittance(way.interior.around(scene, point, front), before);
+    way.interior.cross(scene, point, direction, true);
+  }
   way.passed *= crossing(surface_material(scene, point), point.geometric_normal, direction, through_glass_);
   if (is_black(way.passed)) return false;
   const double t_max = way.rest.t_max;
@@ -78,12 +87,17 @@ bool Shadow::go_through(Passage& way, const Hit& hit) const {
   return true;
 }
 
-Rgb Shadow::transmittance(const Ray& ray) const {
-  if (binary_) return Rgb(tracer_->occluded(ray) ? 0.0F : 1.0F);
-  Passage way(ray);
+Rgb Shadow::transmittance(const Ray& ray, const Interior& inside) const {
+  const bool clear = media_.none();
+  if (binary_) {
+    if (tracer_->occluded(ray)) return Rgb(0);
+    return clear ? Rgb(1) : media_.transmittance(inside.innermost(), ray);
+  }
+  Passage way(ray, inside);
   for (int crossed = 0; crossed < most_surfaces; ++crossed) {
     const auto hit = tracer_->nearest(way.rest);
-    if (!hit || !go_through(way, *hit)) return way.passed;
+    if (!hit) return clear ? way.passed : way.passed * media_.transmittance(way.interior.innermost(), way.rest);
+    if (!go_through(way, *hit)) return way.passed;
   }
   return Rgb(0);
 }

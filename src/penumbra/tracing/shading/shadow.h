@@ -3,6 +3,8 @@
 #include <array>
 
 #include "penumbra/tracing/ray_tracer.h"
+#include "penumbra/tracing/shading/interior.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 
@@ -10,21 +12,24 @@ namespace penumbra {
 ///
 /// Opaque surfaces stop them. Surfaces of AlphaMode::blend let 1 - alpha pass. Glass either stops them too, or
 /// attenuates them straight through by Fresnel and absorption: an approximation (no refraction, so no caustics) that
-/// Whitted's shadow rays have been given since 1979.
+/// Whitted's shadow rays have been given since 1979. Participating media attenuate on the way (Beer-Lambert), so that
+/// they cast shadows.
 class Shadow {
  public:
   /// @param through_glass whether transparent surfaces let shadow rays pass.
   Shadow(const RayTracer& tracer, bool through_glass);
 
   /// The share of light that passes along the ray's interval, 0..1 per band.
-  [[nodiscard]] Rgb transmittance(const Ray& ray) const;
+  /// @param inside the closed surfaces that the ray starts in, as far as media matter.
+  [[nodiscard]] Rgb transmittance(const Ray& ray, const Interior& inside = {}) const;
 
   /// The same for the active lanes of a packet; lanes along which nothing passes fall asleep.
-  /// @param coherent see RayTracer::occluded.
+  /// @param coherent see RayTracer::occluded. @pre media().none().
   void transmittance(RayPacket& rays, bool coherent, std::array<Rgb, RayPacket::size>& passed) const;
 
-  /// True when every surface is opaque, so that one occlusion query decides.
-  [[nodiscard]] bool is_binary() const { return binary_; }
+  /// True when every surface is opaque and the air is clear, so that one occlusion query decides.
+  [[nodiscard]] bool is_binary() const { return binary_ && media_.none(); }
+  [[nodiscard]] const Media& media() const { return media_; }
 
  private:
   struct Passage;
@@ -32,6 +37,7 @@ class Shadow {
   [[nodiscard]] bool passes(const HitPacket& hits, int lane) const;
 
   const RayTracer* tracer_;
+  Media media_;
   bool through_glass_;
   bool binary_;
 };

@@ -4,13 +4,25 @@ namespace penumbra {
 
 Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) const {
   const auto hit = tracer_.nearest(ray);
-  if (!hit) return visitor.sky(ray, branch);
+  if (!hit && media_.none()) return visitor.sky(ray, branch);
+  if (!hit) {
+    const Stretch way{ray, branch.interior.innermost(), branch};
+    const Rgb scattered = media_.scatter() ? visitor.air(way) : Rgb(0);
+    return scattered + media_.transmittance(way.around, ray) * visitor.sky(ray, branch);
+  }
   const Scene& scene = tracer_.scene();
   const SurfacePoint point = tracer_.surface_point(ray, *hit);
   const Vec3d wo = -ray.direction;
   const bool front = dot(point.geometric_normal, wo) > 0;
-  const Rgb passed = branch.interior.transmittance(scene, point, front, length(point.position - branch.start));
-  if (front_sides_only_ && !front && scene.materials[point.material].transmission == 0) return Rgb(0);
+  Rgb passed = branch.interior.transmittance(scene, point, front, length(point.position - branch.start));
+  Rgb scattered(0);
+  if (!media_.none()) {
+    Stretch way{ray, branch.interior.around(scene, point, front), branch};
+    way.ray.t_max = hit->t;
+    if (media_.scatter()) scattered = visitor.air(way);
+    passed *= media_.transmittance(way.around, way.ray);
+  }
+  if (front_sides_only_ && !front && scene.materials[point.material].transmission == 0) return scattered;
 
   const SurfaceMaterial surface = surface_material(scene, point);
   const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
@@ -29,7 +41,7 @@ Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) 
     node.branch.weight = branch.weight * passed;
     radiance += follow(point, node.branch, ray.direction, Rgb(1 - surface.alpha), true, visitor);
   }
-  return passed * radiance;
+  return scattered + passed * radiance;
 }
 
 Rgb SpecularTree::follow(const SurfacePoint& point, const Branch& from, const Vec3d& direction, const Rgb& weight,

@@ -4,6 +4,7 @@
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/interior.h"
+#include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
 
@@ -33,6 +34,12 @@ class SpecularTree {
     Rgb passed;     ///< what the way here left, without the surface's opacity
     Branch branch;  ///< as it goes on from here: weight with absorption on the way here and opacity
   };
+  /// The way of a ray to where it ends.
+  struct Stretch {
+    Ray ray;              ///< t_max is its length, m; infinite when it leaves the scene
+    Surroundings around;  ///< what it travels in
+    const Branch& branch;
+  };
   class Visitor {
    public:
     virtual ~Visitor() = default;
@@ -41,6 +48,8 @@ class SpecularTree {
     virtual Rgb surface(const Node& node) = 0;
     /// Radiance of a ray that leaves the scene.
     virtual Rgb sky(const Ray& ray, const Branch& branch) = 0;
+    /// Radiance that the media along a ray send back along it; asked only where something scatters.
+    virtual Rgb air(const Stretch&) { return Rgb(0); }
     /// Whether a ray of this weight at the root is followed from a ray of this depth: 0 no, 1 yes, more when it stands
     /// for others that are not (Russian roulette).
     virtual float followed(const Rgb& weight, int depth) = 0;
@@ -49,7 +58,8 @@ class SpecularTree {
   };
 
   /// @param front_sides_only backs of opaque surfaces are black. The tracer must outlive the tree.
-  SpecularTree(const RayTracer& tracer, bool front_sides_only) : tracer_(tracer), front_sides_only_(front_sides_only) {}
+  SpecularTree(const RayTracer& tracer, bool front_sides_only)
+      : tracer_(tracer), media_(tracer.scene()), front_sides_only_(front_sides_only) {}
 
   /// What comes back along a ray, W/(m^2 sr) if the visitor answers so.
   Rgb trace(const Ray& ray, const Branch& branch, Visitor& visitor) const;
@@ -62,6 +72,7 @@ class SpecularTree {
 
  private:
   const RayTracer& tracer_;
+  Media media_;
   bool front_sides_only_;
 };
 
