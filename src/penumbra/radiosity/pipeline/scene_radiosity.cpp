@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "penumbra/radiosity/direct_irradiance.h"
+#include "penumbra/radiosity/form_factors/normalization.h"
 #include "penumbra/radiosity/meshing/adaptive_elements.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/uniform.h"
@@ -32,6 +33,7 @@ constexpr double bytes_a_pair = 8;
 constexpr double full_row = 0.98;
 constexpr double most_sides = 0.9;
 constexpr double negligible_leak = 1e-4;  // of the power emitted
+constexpr double notable_excess = 0.02;   // of a row's sum over 1
 
 class Stopwatch {
  public:
@@ -111,15 +113,24 @@ bool looks_closed(const RadiositySetup& setup) {
   return seeing > 0 && closed > most_sides * seeing;
 }
 
-// The power that may have escaped by the factors' errors alone, W.
-double escape_by_errors(const RadiositySetup& setup, const RadiositySolution& solution) {
-  double power = 0;
+// What left sides that see something and arrived nowhere, W, and what of it the factors' errors explain. Sides that see
+// nothing, as the outside of a room, leak nothing.
+struct Escape {
+  double power = 0, by_errors = 0;
+};
+
+Escape escape_from_seeing_sides(const RadiositySetup& setup, const RadiositySolution& solution) {
+  Escape escape;
   for (std::size_t i = 0; i < setup.factors.rows(); ++i) {
+    const double sum = setup.factors.row_sum(i);
+    if (sum == 0) continue;
     for (std::size_t b = 0; b < 3; ++b) {
-      power += setup.mesh.surfaces[i].area * solution.radiosity[3 * i + b] * setup.factors.row_errors[i];
+      const double leaves = setup.mesh.surfaces[i].area * solution.radiosity[3 * i + b];
+      escape.power += leaves * (1 - sum);
+      escape.by_errors += leaves * setup.factors.row_errors[i];
     }
   }
-  return power;
+  return escape;
 }
 
 double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& solution) {
@@ -129,6 +140,29 @@ double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& s
     for (std::size_t b = 0; b < 3; ++b) power += setup.mesh.surfaces[i].area * solution.irradiance[3 * i + b];
   }
   return power;
+}
+
+// Factors are no more exact than their method, and faces that lie on one another in part count twice. Where light would
+// grow by it, or rows are far above 1, they are limited.
+void keep_from_making_light(RadiositySetup& setup) {
+  double excess = 0;
+  bool grows = false;
+  for (std::size_t i = 0; i < setup.factors.rows(); ++i) {
+    const double sum = setup.factors.row_sum(i);
+    excess = std::max(excess, sum - 1);
+    for (std::size_t b = 0; b < 3; ++b) {
+      const double rho = setup.mesh.reflectance[3 * i + b];
+      grows = grows || (rho < 1 && rho * sum >= 1);
+    }
+  }
+  if (!grows && excess < notable_excess) return;
+  (void)limit_row_sums(setup.factors);
+  if (excess < notable_excess) return;
+  setup.warnings.push_back(fmt::format(
+      "form factors of an element sum to {:.3g}, more than 1: faces that lie on one another count twice, or "
+      "the method is too rough; they were lowered so that no light is made (penumbra check names such "
+      "faces)",
+      1 + excess));
 }
 
 // What mirrors and glass pass on is not theirs to reflect diffusely. None are found when their light is not wanted.
@@ -258,6 +292,7 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   } else {
     refuse_what_does_not_fit(options, setup->mesh.surface_count());
     setup->factors = assemble_factor_matrix(*method, setup->mesh, progress);
+    keep_from_making_light(*setup);
     if (!air.is_clear()) setup->taken_by_air = weaken_factors(setup->mesh, air, setup->factors);
   }
   setup->partial = setup->partial || direct.partial || setup->factors.partial;
@@ -286,7 +321,9 @@ SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
   if (setup.refining) {
     solution = refine_and_shoot(setup, options);
   } else if (setup.row_method) {
-    solution = solve_shooting(setup.problem, MethodRows(*setup.row_method, setup.mesh), options);
+    const MethodRows rows(*setup.row_method, setup.mesh);
+    const LimitedRows limited(rows);
+    solution = solve_shooting(setup.problem, KeptRows(limited), options);
   } else {
     solution = solve_radiosity(setup.solver, setup.problem, setup.factors, options);
   }
@@ -298,10 +335,9 @@ SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
     result.absorbed_by_backs = absorbed_by_backs(setup, solution);
     solution.energy.absorbed -= result.absorbed_by_backs;
   }
-  const double explained = 2 * escape_by_errors(setup, solution) + negligible_leak * solution.energy.emitted;
-  if (!solution.partial && solution.energy.escaped > explained && looks_closed(setup)) {
-    result.leak = solution.energy.escaped;
-  }
+  const Escape escape = escape_from_seeing_sides(setup, solution);
+  const double explained = 2 * escape.by_errors + negligible_leak * solution.energy.emitted;
+  if (!solution.partial && escape.power > explained && looks_closed(setup)) result.leak = escape.power;
   return result;
 }
 
