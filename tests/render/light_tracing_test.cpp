@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
@@ -97,6 +98,17 @@ TEST(LightTracing, LightsWithoutABody) {
   expect_light(RayTracer(by_spot), camera, 0.6 / pi * 7 / 4, "spot");
   const Scene by_sun = seen_with({"", DirectionalLight{normalize(Vec3d(1, -1, 0)), Rgb(3)}});
   expect_light(RayTracer(by_sun), camera, 0.6 / pi * 3 / std::sqrt(2.0), "sun");
+  DirectionalLight wide{normalize(Vec3d(1, -1, 0)), Rgb(3)};
+  wide.angular_radius = 0.2;
+  const Scene by_wide_sun = seen_with({"", wide});
+  expect_light(RayTracer(by_wide_sun), camera, 0.6 / pi * 3 / std::sqrt(2.0), "wide sun");
+  PointLight luminaire = point;
+  luminaire.range = std::numeric_limits<double>::infinity();
+  luminaire.web = WebPlacement{};
+  Scene by_web = seen_with({"", luminaire});
+  by_web.webs.push_back({"", {0, 90}, {0}, {2, 0}});  // fades evenly to the side
+  const double away = std::atan2(0.5, 2) / (pi / 2);
+  expect_light(RayTracer(by_web), camera, 2 * (1 - away) * 0.6 / pi * 7 / d2 * 2 / std::sqrt(d2), "web");
 }
 
 TEST(LightTracing, ASky) {
@@ -255,6 +267,10 @@ TEST(LightTracing, WhatCannotBeCountedIsRefused) {
   Camera panorama = camera;
   panorama.lens = PanoramicLens{};
   EXPECT_THROW((void)render(RayTracer(scene), panorama, particles(4, 1)), std::invalid_argument);
+  Scene foggy = scene;
+  foggy.media.push_back({.name = "fog", .scattering = Rgb(0.1F)});
+  foggy.air = {0};
+  EXPECT_THROW((void)render(RayTracer(foggy), camera, particles(4, 1)), std::invalid_argument);
   scene.lights.clear();
   EXPECT_EQ(render(RayTracer(scene), camera, particles(4, 1)).particles->shot, 0U);
 }

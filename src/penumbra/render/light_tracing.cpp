@@ -4,6 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include "penumbra/parallel/parallel_for.h"
@@ -13,6 +15,7 @@
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/interior.h"
 #include "penumbra/tracing/shading/light_emission.h"
+#include "penumbra/tracing/shading/media.h"
 #include "penumbra/tracing/shading/shadow.h"
 
 namespace penumbra {
@@ -262,6 +265,10 @@ class MarkSums {
 RenderResult trace_light(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
                          const Progress& progress) {
   const auto began = Clock::now();
+  if (!Media(tracer.scene()).none()) {
+    throw std::invalid_argument(
+        "fog and other media are not followed from the lights; leave them away, or trace from the eye");
+  }
   const LightTracer light(tracer, camera, options);
   const auto pixels = static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
   const std::uint64_t all = pixels * static_cast<std::uint64_t>(options.samples_per_pixel);

@@ -13,8 +13,8 @@ namespace penumbra {
 /// the whole picture. Pixels are boxes: of the options filter, noise and layers are not read.
 ///
 /// Bit-identical for any number of threads: particles go in batches whose marks are added in their order.
-/// Throws std::invalid_argument for a camera that is no pinhole and for lights that send out no countable power, see
-/// LightEmission.
+/// Throws std::invalid_argument for a camera that is no pinhole, for participating media, and for lights that send out
+/// no countable power, see LightEmission.
 [[nodiscard]] RenderResult trace_light(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
                                        const Progress& progress = {});
 

@@ -58,7 +58,15 @@ std::optional<LightEmission::Origin> LightEmission::sample_origin(double u_light
   origin.light = static_cast<std::size_t>(above - chances_.begin()) - 1;
   origin.inverse_chance = 1 / (chances_[origin.light + 1] - chances_[origin.light]);
   const LightSampler::Source& source = lights_->light(origin.light);
-  if (source.kind == LightSampler::Kind::punctual) return origin;
+  if (source.kind == LightSampler::Kind::punctual) {
+    if (const auto* far = std::get_if<DirectionalLight>(&scene_->lights[source.index].kind)) {
+      // Drawn by the solid angle of its disk, as LightSampler does.
+      const double cosine = std::cos(far->angular_radius);
+      origin.direction = Frame(-far->direction).to_world(sample_cone(u, cosine));
+      origin.inverse_chance *= 2 / (1 + cosine);
+    }
+    return origin;
+  }
   if (source.kind == LightSampler::Kind::environment) {
     const EnvironmentMap::Sample sky = lights_->environment().sample(u);
     if (!(sky.pdf > 0)) return std::nullopt;
@@ -85,12 +93,14 @@ LightEmission::Particle LightEmission::sample_direction(const Origin& origin, do
   }
   const auto& kind = scene_->lights[source.index].kind;
   if (const auto* far = std::get_if<DirectionalLight>(&kind)) {
-    return from_afar(far->direction, weight * far->irradiance, u);
+    return from_afar(-origin.direction, weight * far->irradiance, u);
   }
   Particle particle;
   if (const auto* point = std::get_if<PointLight>(&kind)) {
     particle.ray = {.origin = point->position, .direction = sample_sphere(u)};
-    particle.power = static_cast<float>(4 * pi) * weight * point->intensity;
+    const double web =
+        point->web ? candela_towards(scene_->webs[point->web->web], *point->web, particle.ray.direction) : 1;
+    particle.power = static_cast<float>(4 * pi * web) * weight * point->intensity;
     particle.range = std::isfinite(point->range) ? point->range : 0;
     return particle;
   }

@@ -23,7 +23,7 @@ class LightEmission {
     double inverse_chance = 1;  ///< over the density, 1/m^2, of the point; of a light without a body over its chance
     std::optional<SurfacePoint> point;  ///< of a lamp's surface; none: a light without a body, or the sky
     Rgb radiance{0};                    ///< of a lamp's point or of the sky, W/(m^2 sr)
-    Vec3d direction{0};                 ///< of the sky: unit, towards where its light comes from
+    Vec3d direction{0};                 ///< of the sky and far lights: unit, towards where the light comes from
   };
   [[nodiscard]] std::optional<Origin> sample_origin(double u_light, const Vec2d& u) const;
 
