@@ -44,13 +44,13 @@ SolverOptions strict() {
 }
 
 // Facets approach the sphere, and their middles its chords, with the square of their size: two meshes tell the limit.
-TEST(AbsorbingAir, SphereFilledWithAbsorber) {
+void expect_filled_sphere(int coarse, int fine, double tolerance) {
   struct Cavity {
     PatchMesh mesh;
     FactorMatrix factors;
   };
   std::vector<Cavity> cavities;
-  for (const int n : {9, 18}) {
+  for (const int n : {coarse, fine}) {
     Cavity c{element_mesh(sphere_facets(1, 0, pi, n, 2 * n)), {}};
     c.factors = convex_factors(c.mesh);
     cavities.push_back(std::move(c));
@@ -68,15 +68,19 @@ TEST(AbsorbingAir, SphereFilledWithAbsorber) {
       for (std::size_t i = 0; i < factors.rows(); ++i) {
         sum += factors.areas[i] * solution.radiosity[i];
         area += factors.areas[i];
-        EXPECT_NEAR(taken[i], 1 - c["T"].get<double>(), 0.02);
+        EXPECT_NEAR(taken[i], 1 - c["T"].get<double>(), 0.05);
       }
       found.push_back(sum / area);
     }
     const double b = c["B"];
     EXPECT_LT(std::abs(found[1] - b), 0.35 * std::abs(found[0] - b) + 1e-6) << c;
-    EXPECT_NEAR((4 * found[1] - found[0]) / 3, b, 1e-4 * b) << c << " " << found[0] << " " << found[1];
+    EXPECT_NEAR((4 * found[1] - found[0]) / 3, b, tolerance * b) << c << " " << found[0] << " " << found[1];
   }
 }
+
+TEST(AbsorbingAir, SphereFilledWithAbsorber) { expect_filled_sphere(5, 10, 1.5e-3); }
+
+TEST(AbsorbingAir, SlowSphereFilledWithAbsorber) { expect_filled_sphere(9, 18, 1e-4); }
 
 // A small patch under a plate so wide that the rest is dark: the share of its light that crosses is 2 E3(t).
 TEST(AbsorbingAir, AbsorbingSlabBetweenPlates) {

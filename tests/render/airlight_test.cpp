@@ -209,15 +209,17 @@ TEST(Airlight, ShadowsInFogAreTheSameForBothIntegrators) {
   EXPECT_GT(look(clear, {0, 0, 0}, {0, 0, 1}, whitted(1024)).value, 1.1 * a.value);
 }
 
-TEST(Airlight, AppelRefusesMedia) {
+TEST(Airlight, MethodsThatKnowNoMediaRefuseThem) {
   Scene scene;
   testing::add_plane(scene, {0, 0, 6}, {0, 0, -1}, matt(Rgb(0)));
   scene.media = {medium(0, 1)};
   scene.air = {0};
   const RayTracer tracer(scene);
-  RenderOptions options = whitted(1);
-  options.integrator = IntegratorKind::appel;
-  EXPECT_THROW((void)look(tracer, {0, 0, 0}, {0, 0, 1}, options), std::invalid_argument);
+  for (const IntegratorKind kind : {IntegratorKind::appel, IntegratorKind::light}) {
+    RenderOptions options = whitted(1);
+    options.integrator = kind;
+    EXPECT_THROW((void)look(tracer, {0, 0, 0}, {0, 0, 1}, options), std::invalid_argument);
+  }
 }
 
 TEST(Airlight, ThreadedPicturesOfMediaAreTheSame) {

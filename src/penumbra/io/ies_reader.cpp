@@ -14,6 +14,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::int64_t most_angles = 10000;
+constexpr double most_candela = 1e30;
 constexpr std::size_t most_bytes = std::size_t{64} << 20;
 
 /// Reads one file; the steps follow its layout.
@@ -99,10 +100,10 @@ class IesReader {
   }
 
   void read_candela() {
-    web_.candela.reserve(vertical_count_ * horizontal_count_);
     for (std::size_t i = 0; i < vertical_count_ * horizontal_count_; ++i) {
       const double candela = factor_ * number("candela value");
       if (!(candela >= 0)) cursor_.fail("a candela value is less than 0");
+      if (!(candela <= most_candela)) cursor_.fail("a candela value is beyond 1e30");
       web_.candela.push_back(candela);
     }
   }

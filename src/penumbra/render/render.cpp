@@ -49,14 +49,17 @@ void check(const RenderOptions& o) {
   }
 }
 
+void refuse_media(const RayTracer& tracer, const char* integrator) {
+  if (Media(tracer.scene()).none()) return;
+  throw std::invalid_argument(std::string(integrator) +
+                              " knows no fog, smoke or other media; render with whitted or path");
+}
+
 std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const CameraRays& camera,
                                             const RenderOptions& options) {
   switch (options.integrator) {
     case IntegratorKind::appel:
-      if (!Media(tracer.scene()).none()) {
-        throw std::invalid_argument(
-            "appel's rays end at the first surface and know no fog, smoke or other media; render with whitted or path");
-      }
+      refuse_media(tracer, "appel");
       return make_appel(tracer, camera, options);
     case IntegratorKind::whitted:
       return make_whitted(tracer, camera, options);
@@ -242,7 +245,10 @@ RenderResult draw(const Integrator& integrator, const RenderOptions& options, co
 RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
                     const Progress& progress) {
   check(options);
-  if (options.integrator == IntegratorKind::light) return trace_light(tracer, camera, options, progress);
+  if (options.integrator == IntegratorKind::light) {
+    refuse_media(tracer, "light");
+    return trace_light(tracer, camera, options, progress);
+  }
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
   return draw(*make_integrator(tracer, rays, options), options, progress, began);
@@ -259,9 +265,7 @@ RenderResult render(const RadiosityView& view, const Camera& camera, const Rende
 RenderResult render(const RayTracer& tracer, const DiffuseLight& light, const Camera& camera,
                     const RenderOptions& options, const Progress& progress) {
   check(options);
-  if (!Media(tracer.scene()).none()) {
-    throw std::invalid_argument("two-pass knows no fog, smoke or other media; render with whitted or path");
-  }
+  refuse_media(tracer, "two-pass");
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
   return draw(*make_two_pass(tracer, light, rays, options), options, progress, began);

@@ -98,9 +98,11 @@ LightEmission::Particle LightEmission::sample_direction(const Origin& origin, do
   Particle particle;
   if (const auto* point = std::get_if<PointLight>(&kind)) {
     particle.ray = {.origin = point->position, .direction = sample_sphere(u)};
-    const double web =
-        point->web ? candela_towards(scene_->webs[point->web->web], *point->web, particle.ray.direction) : 1;
-    particle.power = static_cast<float>(4 * pi * web) * weight * point->intensity;
+    particle.power = static_cast<float>(4 * pi) * weight * point->intensity;
+    if (point->web) {
+      const PhotometricWeb& web = scene_->webs[point->web->web];
+      particle.power *= static_cast<float>(candela_towards(web, *point->web, particle.ray.direction));
+    }
     particle.range = std::isfinite(point->range) ? point->range : 0;
     return particle;
   }
