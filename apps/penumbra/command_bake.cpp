@@ -76,13 +76,13 @@ std::vector<std::string> remarks(const BakeArguments& arguments, const SceneRadi
   const EnergyBalance& energy = solved.solution.energy;
   if (solved.leak > 0) {
     sentences.push_back(
-        fmt::format("{:.2g} % of the light escapes although the scene looks closed; penumbra check {} "
+        fmt::format("{:.3g} % of the light escapes although the scene looks closed; penumbra check {} "
                     "shows where it leaks",
                     100 * solved.leak / energy.emitted, arguments.scene.source));
   }
   if (solved.absorbed_by_backs > notable * energy.emitted) {
     sentences.push_back(
-        fmt::format("{:.2g} % of the light ends on backs, which are black with --sides front; penumbra "
+        fmt::format("{:.3g} % of the light ends on backs, which are black with --sides front; penumbra "
                     "check {} names flipped faces",
                     100 * solved.absorbed_by_backs / energy.emitted, arguments.scene.source));
   }
@@ -101,14 +101,16 @@ void say_result(const BakeArguments& arguments, const RadiositySetup& setup, con
   if (s.partial) {
     console.insist(arguments.output + ": partial solution, the computation was stopped; light is missing");
   }
-  const double all = s.energy.emitted > 0 ? s.energy.emitted : 1;
-  console.say(fmt::format(
-      "{}: {} elements, {} links, {} iterations ({}), {:.4g} W emitted, {:.1f} % absorbed, {:.1f} % "
-      "escaped, {:.2f} s",
-      arguments.output, setup.mesh.surface_count(), setup.factors.values.size(), s.iterations,
-      arguments.radiosity.solver, s.energy.emitted, 100 * s.energy.absorbed / all, 100 * s.energy.escaped / all,
-      seconds.load + setup.seconds.mesh + setup.seconds.direct + setup.seconds.form_factors + setup.seconds.specular +
-          seconds.solve + seconds.write));
+  const auto percent = [&](double power) {  // to a tenth, and 0 never below 0
+    return s.energy.emitted > 0 ? std::round(1000 * power / s.energy.emitted) / 10 + 0.0 : 0.0;
+  };
+  console.say(
+      fmt::format("{}: {} elements, {} links, {} iterations ({}), {:.4g} W emitted, {:.1f} % absorbed, {:.1f} % "
+                  "escaped, {:.2f} s",
+                  arguments.output, setup.mesh.surface_count(), setup.factors.values.size(), s.iterations,
+                  arguments.radiosity.solver, s.energy.emitted, percent(s.energy.absorbed), percent(s.energy.escaped),
+                  seconds.load + setup.seconds.mesh + setup.seconds.direct + setup.seconds.form_factors +
+                      setup.seconds.specular + seconds.solve + seconds.write));
 }
 
 std::unique_ptr<RadiositySetup> set_up(const BakeArguments& arguments, const Scene& scene, const Progress& progress) {

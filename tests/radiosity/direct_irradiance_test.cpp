@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/radiosity/meshing/element_builder.h"
+#include "penumbra/radiosity/meshing/lamp_irradiance.h"
 #include "penumbra/radiosity/meshing/uniform.h"
 #include "radiosity/scene_makers.h"
 
@@ -35,6 +37,25 @@ TEST(DirectIrradiance, APointLightOverAFloorFollowsItsClosedForm) {
     const PatchMesh mesh = elements_of(scene, 0, PatchSides::front);
     const double expected = intensity * 3 / std::pow(9 + r * r, 1.5);
     EXPECT_NEAR(direct_irradiance(scene, mesh).irradiance[0], expected, 1e-4 * expected);
+  }
+}
+
+TEST(DirectIrradiance, AnAreaLightOverAFloorFollowsItsClosedForm) {
+  // CIE 171:2006, test 5.3: a panel of 2 m by 1 m and 1000 cd/m^2 at 3 m, by E = pi L F; lx at floor points.
+  struct Point {
+    double x, y, expected;
+  };
+  for (const auto& [x, y, expected] :
+       {Point{0, 0, 203.62596216665835}, Point{1, 0, 172.06591809605914}, Point{0, 1, 167.82868912970798},
+        Point{2, 1, 93.93655078804517}, Point{4, 0, 30.802774098696283}}) {
+    const Polygon floor = floor_rectangle(x - 0.01, x + 0.01, y - 0.01, y + 0.01);
+    Scene scene = polygon_scene({floor});
+    scene.materials.push_back(matt(0, 1000));
+    add_polygons(scene, "panel", {reversed(floor_rectangle(-1, 1, -0.5, 0.5, 3))}, 1);
+    const MadePatchMesh faces = make_element_faces(scene, PatchSides::both, 8);
+    PatchMesh painted = faces.mesh;
+    paint_elements(scene, 8, painted);
+    EXPECT_NEAR(LampIrradiance(scene, painted).view(floor).at({x, y, 0}).x, expected, 1e-9 * expected);
   }
 }
 

@@ -111,15 +111,13 @@ TEST(RefiningShooting, ABrightPanelThatNoLampIsCastsRefinedShadows) {
 TEST(RefiningShooting, AgreesWithGaussSeidelOnItsFinalMesh) {
   const Scene scene = make_builtin_scene("cornell-box");
   RefiningShooting shooting(scene, with_elements(600));
+  const RadiositySolution shot = shooting.solve({});
   SolverOptions exact;
   exact.tolerance = 1e-6;
   exact.stop_at = 1;
-  const RadiositySolution shot = shooting.solve(exact);
   const auto method = make_form_factor_method("auto", shooting.mesh());
   const FactorMatrix factors = assemble_factor_matrix(*method, shooting.mesh());
   const RadiositySolution gathered = solve_gauss_seidel(shooting.problem(), factors, exact);
-  // Elements send what their patch sends on average: they differ by that, patches being eight times as large: less
-  // where patches are smaller.
   double square = 0, mean = 0, area = 0;
   for (std::size_t k = 0; k < shot.radiosity.size(); ++k) {
     const double a = shooting.problem().areas[k / 3];
@@ -127,20 +125,27 @@ TEST(RefiningShooting, AgreesWithGaussSeidelOnItsFinalMesh) {
     mean += a * gathered.radiosity[k];
     area += a;
   }
-  EXPECT_LT(std::sqrt(square / area), 0.05 * mean / area);
+  // Elements gather once from each other; without that patches' means are off by 3 %.
+  EXPECT_LT(std::sqrt(square / area), 0.01 * mean / area);
   EXPECT_NEAR(power_of(shooting.problem(), shot.radiosity), power_of(shooting.problem(), gathered.radiosity),
-              3e-3 * mean);
+              1e-3 * mean);
 }
 
-TEST(RefiningShooting, UnshotEnergyFallsAndAllEnergyIsKept) {
-  const Scene scene = make_builtin_scene("cornell-box");
-  RefiningShooting shooting(scene, with_elements(800));
+/// All of what patches still have to send, W, signs aside.
+double unshot_power(const PatchMesh& mesh, const std::vector<double>& unshot) {
+  double power = 0;
+  for (std::size_t k = 0; k < unshot.size(); ++k) power += mesh.surfaces[k / 3].area * std::abs(unshot[k]);
+  return power;
+}
+
+void expect_falling_unshot_energy(const Scene& scene, std::size_t count) {
+  RefiningShooting shooting(scene, with_elements(count));
   SolverOptions options;
   double last = 1e300;
   std::size_t elements = 0, cuts = 0;
   options.on_stage = [&](const SolverStage& stage) {
-    const double unshot = power_of(shooting.problem(), stage.unshot);
-    EXPECT_LT(unshot, last * (1 + 1e-3));
+    const double unshot = unshot_power(shooting.mesh(), stage.unshot);
+    EXPECT_LT(unshot, last);
     last = unshot;
     if (shooting.mesh().surface_count() != elements) ++cuts;
     elements = shooting.mesh().surface_count();
@@ -148,11 +153,23 @@ TEST(RefiningShooting, UnshotEnergyFallsAndAllEnergyIsKept) {
   };
   const RadiositySolution solution = shooting.solve(options);
   EXPECT_TRUE(solution.converged);
-  EXPECT_GT(cuts, 2U);
-  EXPECT_GT(elements, 500U);
-  EXPECT_LE(elements, 800U);
+  EXPECT_GE(cuts, 2U);
+  EXPECT_LE(elements, count);
   const EnergyBalance& e = solution.energy;
   EXPECT_NEAR(e.emitted, e.absorbed + e.escaped + e.unshot, 1e-9 * e.emitted);
+}
+
+TEST(RefiningShooting, UnshotEnergyFallsAndAllEnergyIsKept) {
+  expect_falling_unshot_energy(make_builtin_scene("cornell-box"), 800);
+}
+
+// Where colours and the light of lamps without a body vary within an element its pieces reflect more or less than it
+// did: the energy must fall all the same.
+TEST(RefiningShooting, UnshotEnergyFallsOnAPattern) {
+  Scene scene = lit_panel();
+  scene.materials[0] = matt(0.9);
+  scene.materials[0].checker_colour = Rgb(0.1F);
+  expect_falling_unshot_energy(scene, 800);
 }
 
 TEST(RefiningShootingThreaded, GivesTheSameBitsOnAnyThreadCount) {

@@ -14,6 +14,7 @@
 #include "penumbra/radiosity/form_factors/normalization.h"
 #include "penumbra/radiosity/form_factors/nusselt.h"
 #include "penumbra/radiosity/solvers/direct.h"
+#include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/gauss_seidel.h"
 #include "penumbra/radiosity/solvers/progressive.h"
 #include "penumbra/radiosity/solvers/solver.h"
@@ -268,11 +269,13 @@ TEST(Enclosures, ConcentricSpheres) {
   }
 }
 
-/// The room of the unit cube: floor, ceiling, four walls, n x n elements each.
+/// The room of the unit cube: floor, ceiling, four walls, n x n elements each where nothing else is said.
 struct CubeRoom {
   PatchMesh mesh;
   FactorMatrix factors;
-  explicit CubeRoom(int n) : mesh(element_mesh(test::room_elements({1, 1, 1}, n))), factors(convex_factors(mesh)) {}
+  explicit CubeRoom(const std::vector<Polygon>& elements)
+      : mesh(element_mesh(elements)), factors(convex_factors(mesh)) {}
+  explicit CubeRoom(int n) : CubeRoom(test::room_elements({1, 1, 1}, n)) {}
 
   // What a point receives from all elements: one exact gather more than the solution (Sloan's iterate).
   [[nodiscard]] double irradiance(const Vec3d& point, const Vec3d& normal, const std::vector<double>& radiosity) const {
@@ -326,12 +329,27 @@ TEST(Enclosures, CubeRoomAtItsPoints) {
   }
 }
 
-// A lamp in the middle of a cube (CIE 171, test 5.8): the mean follows from the energy, the points do not.
+/// The unit cube with n x n elements a face whose rows are the narrower the nearer they are to the edges, as
+/// Chebyshev's points: there light from the wall beside changes fastest.
+CubeRoom graded_room(int n) {
+  std::vector<Polygon> cells;
+  const auto place = [&](int k) { return 0.5 * (1 - std::cos(pi * k / n)); };
+  for (const Polygon& face : room({1, 1, 1})) {
+    const auto at = [&](int i, int j) {
+      return face[0] + place(i) * (face[1] - face[0]) + place(j) * (face[3] - face[0]);
+    };
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) cells.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  }
+  return CubeRoom(cells);
+}
+
+// A lamp in the middle of a cube (CIE 171, test 5.8): the mean follows from the energy, the points do not. 1176
+// elements give the light that walls reflect within 1 % at every point, also 12 cm from two walls.
 TEST(Enclosures, LampInACube) {
   const auto& table = enclosure_table()["cube_point_source"];
   const double edge = table["face_edge_m"], flux = 10000, half = edge / 2;
-  const int n = 14;
-  const CubeRoom& unit = cube_room(n);
+  const CubeRoom unit = graded_room(14);
   FactorMatrix factors = unit.factors;  // of a cube of edge 1: areas grow with the edge, factors do not
   for (double& a : factors.areas) a *= edge * edge;
   const auto rule = gauss_legendre(4);
@@ -350,19 +368,12 @@ TEST(Enclosures, LampInACube) {
     }
     problem.light_power = {flux};
     const auto solution = solve_gauss_seidel(problem, factors, strict());
-    double mean = 0;
-    for (const double h : solution.irradiance) mean += h / static_cast<double>(factors.rows());
+    const double mean = power_of(problem, solution.irradiance) / (6 * edge * edge);
     EXPECT_NEAR(mean, c["E_total_mean_lux"].get<double>(), 1e-6 * mean);
     for (const auto& [place, expected] : c["E_indirect_point_lux"].items()) {
       const double u = std::stod(place), v = std::stod(place.substr(place.find(',') + 1));
       const double found = unit.irradiance({u, v, 0}, {0, 0, 1}, solution.radiosity);
-      const double distance = edge * length(Vec3d(u, v, 0) - Vec3d(0.5)),
-                   direct = flux / (4 * pi) * half / std::pow(distance, 3);
-      const bool in_the_corner = u < 0.05 && v < 0.05;  // half an element from both walls
-      EXPECT_NEAR(found, expected.get<double>(), (in_the_corner ? 0.02 : 0.004) * expected.get<double>())
-          << c["rho"] << " at " << place;
-      EXPECT_NEAR(direct + found, direct + expected.get<double>(), 0.01 * (direct + expected.get<double>()))
-          << c["rho"] << " at " << place;
+      EXPECT_NEAR(found, expected.get<double>(), 0.01 * expected.get<double>()) << c["rho"] << " at " << place;
     }
   }
 }
@@ -461,8 +472,13 @@ TEST(Enclosures, CylindricalCavities) {
   }
 }
 
-/// What an open spherical bowl of unit radius receives from a sun; part of it lies in its own shadow.
-double bowl_error(int n, double rim, double elevation, double reflectance, double expected) {
+/// How far the indirect light of facets in an open spherical bowl of unit radius is from what it should be, relative.
+struct BowlError {
+  double mean = 0, rms = 0, worst = 0;
+};
+
+/// A bowl in the sun; part of it lies in its own shadow.
+BowlError bowl_error(int n, double rim, double elevation, double reflectance, double expected) {
   // The bowl is the lower part of the sphere: its rim lies at polar angle pi - rim.
   static std::map<std::pair<int, double>, std::pair<PatchMesh, FactorMatrix>> bowls;
   auto& [mesh, factors] = bowls[{n, rim}];
@@ -490,22 +506,29 @@ double bowl_error(int n, double rim, double elevation, double reflectance, doubl
     problem.irradiance.push_back(direct);
   }
   const auto solution = solve_gauss_seidel(problem, factors, strict());
-  double worst = 0;
+  BowlError error;
+  double area = 0;
   for (std::size_t i = 0; i < mesh.patch_count(); ++i) {
-    worst = std::max(worst, std::abs((solution.irradiance[i] - problem.irradiance[i]) / expected - 1));
+    const double off = (solution.irradiance[i] - problem.irradiance[i]) / expected - 1;
+    error.mean += mesh.areas[i] * off;
+    error.rms += mesh.areas[i] * off * off;
+    error.worst = std::max(error.worst, std::abs(off));
+    area += mesh.areas[i];
   }
-  return worst;
+  return {std::abs(error.mean / area), std::sqrt(error.rms / area), error.worst};
 }
 
-// The indirect light is the same all over the bowl, in light and in shadow.
+// The indirect light is the same all over the bowl, in light and in shadow. Mean and root mean square fall with the
+// square of the facets' size; only the worst facets, slivers about the bottom and those beside the few that a low sun
+// lights, follow slower: a flat facet does not light itself as its piece of the sphere does.
 TEST(Enclosures, BowlCraterInTheSun) {
   for (const auto& c : enclosure_table()["bowl_crater_collimated"]["cases"]) {
     if (!c.contains("E_indirect")) continue;  // a temperature, not light
     const double rim = c["beta_deg"].get<double>() * pi / 180, elevation = c["elev_deg"].get<double>() * pi / 180;
-    const double rho = c["rho"], expected = c["E_indirect"];
-    // A facet does not light itself: where the sun lights few, that is most of the error.
-    expect_convergence([&](int n) { return bowl_error(n, rim, elevation, rho, expected); }, {4, 8}, 1.7, 0.14,
-                       c.dump());
+    const auto at = [&](int n) { return bowl_error(n, rim, elevation, c["rho"], c["E_indirect"]); };
+    expect_convergence([&](int n) { return at(n).rms; }, {4, 8}, 2.8, 0.026, c.dump());
+    expect_convergence([&](int n) { return at(n).worst; }, {4, 8}, 1.7, 0.13, c.dump());
+    EXPECT_LT(at(8).mean, 0.016) << c.dump();
   }
 }
 

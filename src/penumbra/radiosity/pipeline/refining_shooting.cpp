@@ -9,17 +9,17 @@
 #include "penumbra/math/bounds.h"
 #include "penumbra/math/polygon.h"
 #include "penumbra/parallel/parallel_for.h"
-#include "penumbra/radiosity/direct_irradiance.h"
 #include "penumbra/radiosity/form_factors/auto.h"
 #include "penumbra/radiosity/form_factors/occluder_polygons.h"
 #include "penumbra/radiosity/meshing/adaptive_cells.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/face_cells.h"
 #include "penumbra/radiosity/meshing/lamp_irradiance.h"
-#include "penumbra/radiosity/meshing/polygon_division.h"
 #include "penumbra/radiosity/meshing/shadow_lines.h"
 #include "penumbra/radiosity/meshing/uniform.h"
 #include "penumbra/radiosity/pipeline/patch_exchange.h"
+#include "penumbra/radiosity/pipeline/receiving_elements.h"
+#include "penumbra/radiosity/pipeline/shooting_patches.h"
 #include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/shooting.h"
 #include "penumbra/radiosity/solvers/solver_course.h"
@@ -28,7 +28,6 @@ namespace penumbra {
 namespace {
 
 constexpr std::size_t elements_a_patch = 8;
-constexpr int shape_segments = 32;
 /// Of the scene's size.
 constexpr double shortest_edge = 1.0 / 2000;
 /// Elements are looked at when there is room for this share more of them.
@@ -44,41 +43,10 @@ constexpr double most_reflective = 0.9;
 
 /// The input polygons, with what their textures reflect and emit on average.
 MadePatchMesh painted_faces(const Scene& scene) {
-  MadePatchMesh made = make_element_faces(scene, PatchSides::both, shape_segments);
-  paint_elements(scene, shape_segments, made.mesh);
+  const int segments = MeshingOptions{}.shape_segments;
+  MadePatchMesh made = make_element_faces(scene, PatchSides::both, segments);
+  paint_elements(scene, segments, made.mesh);
   return made;
-}
-
-/// The faces cut into cells, also along lines where light jumps, so that what lies under a box is no part of what
-/// shines beside it; a cell's back follows its front.
-PatchMesh make_patches(const PatchMesh& faces, std::span<const ShadowLine> lines, double size, double least_size,
-                       std::vector<std::uint32_t>& face_of) {
-  const AdaptiveCells plates(faces, 1, 0);
-  std::vector<FaceCells> cells;
-  for (const AdaptiveCells::Plate& plate : plates.plates()) {
-    std::vector<FaceCells::Cell> of_plate;
-    divide_polygon(faces.polygon(plate.front), size,
-                   [&](std::span<const Vec3d> cell) { of_plate.emplace_back(cell.begin(), cell.end()); });
-    cells.emplace_back(std::move(of_plate));
-  }
-  for (const ShadowLine& line : lines) {
-    if (line.degree > 0) continue;
-    cells[plates.plate_of(line.patch)].cut_along(line.ends[0], line.ends[1], faces.normals[line.patch], least_size);
-  }
-  ElementBuilder builder(faces);
-  std::vector<Vec3d> turned;
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    const auto [front, back] = plates.plates()[k];
-    for (const FaceCells::Cell& cell : cells[k].cells()) {
-      builder.add(front, cell);
-      face_of.push_back(front);
-      if (back == AdaptiveCells::none) continue;
-      turned.assign(cell.rbegin(), cell.rend());
-      builder.add(back, turned);
-      face_of.push_back(back);
-    }
-  }
-  return std::move(builder).finish();
 }
 
 double scene_size(const PatchMesh& faces) {
@@ -92,101 +60,96 @@ double patch_size(const PatchMesh& faces, const RefiningShootingOptions& options
   return size_for_count(faces, std::max<std::size_t>(1, options.element_count / elements_a_patch));
 }
 
-}  // namespace
-
-struct RefiningShooting::Impl {
-  Impl(const Scene& the_scene, const RefiningShootingOptions& the_options, const Progress& the_progress);
-
-  void cut_along_shadow_lines();
-  void refine_for_points();
-  void take_elements(AdaptiveCells::Elements made);
-  void receive_what_was_sent(const std::vector<std::uint32_t>& fresh, const PatchMesh& children);
-  void settle();
-  void weigh();
-  void shoot(const std::vector<std::uint32_t>& shooters);
-  void refine();
-  void look();
-  void refine_elements(std::size_t most);
-  [[nodiscard]] std::vector<std::uint32_t> brightened_cells() const;
-  [[nodiscard]] std::size_t allowance() const;
-  [[nodiscard]] std::vector<double> irradiance() const;
-  [[nodiscard]] std::vector<double> radiosity() const;
-  [[nodiscard]] std::vector<double> unshot_of_elements() const;
-  [[nodiscard]] RadiositySolution take();
-
-  const Scene& scene;
-  RefiningShootingOptions options;
-  Progress progress;
-  MadePatchMesh faces;
-  LampIrradiance light;
-  std::vector<ShadowLine> lines;
-  std::vector<std::uint32_t> face_of;  // of each patch
-  PatchMesh patches;
-  std::shared_ptr<const OccluderPolygons> occluders;
-  AdaptiveCells cells;
-  std::size_t begun = 0, most_cells = 0;
-
-  PatchMesh elements;
-  RadiosityProblem problem;
-  std::vector<std::uint32_t> parent, cell_of;  // of each element: patch and cell
-  std::vector<double> received;                // from patches, W/m^2, [element * 3 + band]
-  std::vector<double> arrived;                 // of it since elements were looked at last, per element, largest band
-  bool refines = true;
-
-  std::vector<double> sent;    // S, W/m^2, [patch * 3 + band]
-  std::vector<double> unshot;  // W/m^2, [patch * 3 + band]; may be a little negative where elements were split
-  std::vector<double> energy;  // unshot, W, per patch
-  std::vector<Lamp> pending;   // shooters whose light was not looked at yet
-  std::unique_ptr<PatchExchange> exchange;  // all patches to all elements; none: the elements changed
-  std::map<std::uint32_t, PatchRow> kept;
-  std::size_t kept_factors = 0;
-  double sent_power = 0, unshot_power = 0, escaped = 0;  // W
-  double residual_bound = 0, largest_source = 0;         // W/m^2
-  double mean_reflectance = 0;
-};
-
-RefiningShooting::Impl::Impl(const Scene& the_scene, const RefiningShootingOptions& the_options,
-                             const Progress& the_progress)
-    : scene(the_scene),
-      options(the_options),
-      progress(the_progress),
-      faces(painted_faces(the_scene)),
-      light(the_scene, faces.mesh),
-      lines(by_importance(find_shadow_lines(light))),
-      patches(make_patches(faces.mesh, lines, patch_size(faces.mesh, the_options),
-                           shortest_edge * scene_size(faces.mesh), face_of)),
-      occluders(std::make_shared<const OccluderPolygons>(make_occluder_polygons(faces.mesh))),
-      cells(patches, shortest_edge * scene_size(faces.mesh), the_options.contrast),
-      most_cells(the_options.element_count / 2) {
-  cut_along_shadow_lines();
-  begun = cells.cells().size();
-  sent.assign(3 * patches.patch_count(), 0);
-  cells.mark();
-  take_elements(cells.elements());
-  refine_for_points();
-}
-
 /// Each patch is a cell, or several where the lamps' shadow lines cross it.
-void RefiningShooting::Impl::cut_along_shadow_lines() {
-  std::vector<std::vector<std::uint32_t>> plates_of_face(faces.mesh.patch_count());
+AdaptiveCells cut_along_shadow_lines(const PatchMesh& faces, const ShootingPatches& patches,
+                                     std::span<const ShadowLine> lines, double contrast, std::size_t most) {
+  AdaptiveCells cells(patches.mesh, shortest_edge * scene_size(faces), contrast);
+  std::vector<std::vector<std::uint32_t>> plates_of_face(faces.patch_count());
   std::vector<FaceCells> cut;
   for (std::uint32_t k = 0; k < cells.plates().size(); ++k) {
     const auto [front, back] = cells.plates()[k];
-    const auto corners = patches.polygon(front);
+    const auto corners = patches.mesh.polygon(front);
     cut.emplace_back(std::vector<FaceCells::Cell>{{corners.begin(), corners.end()}});
-    plates_of_face[face_of[front]].push_back(k);
-    if (back != AdaptiveCells::none) plates_of_face[face_of[back]].push_back(k);
+    plates_of_face[patches.face_of[front]].push_back(k);
+    if (back != AdaptiveCells::none) plates_of_face[patches.face_of[back]].push_back(k);
   }
   std::size_t count = cut.size();
   for (const ShadowLine& line : lines) {
-    if (count >= most_cells / 3) break;
+    if (count >= most) break;
     for (const std::uint32_t k : plates_of_face[line.patch]) {
-      count += cut[k].cut_along(line.ends[0], line.ends[1], faces.mesh.normals[line.patch], cells.least_size());
+      count += cut[k].cut_along(line.ends[0], line.ends[1], faces.normals[line.patch], cells.least_size());
     }
   }
   for (std::uint32_t k = 0; k < cut.size(); ++k) {
     for (const FaceCells::Cell& corners : cut[k].cells()) cells.add(k, corners);
   }
+  cells.mark();
+  return cells;
+}
+
+}  // namespace
+
+struct RefiningShooting::Impl {
+  Impl(const Scene& the_scene, const RefiningShootingOptions& the_options, const Progress& the_progress);
+
+  void refine_for_points();
+  void weigh();
+  [[nodiscard]] double share_sent() const;
+  [[nodiscard]] std::size_t allowance() const;
+  std::size_t shoot(std::size_t most);
+  void send(std::uint32_t patch, const PatchRow& row);
+  void refine();
+  void look();
+  void refine_cells(std::size_t most);
+  void settle();
+  void gather(const Progress& stop);
+  void forget_rows();
+  [[nodiscard]] std::vector<double> unshot_of_elements() const;
+  [[nodiscard]] RadiositySolution take();
+
+  const RefiningShootingOptions options;
+  const Progress progress;
+  const MadePatchMesh faces;
+  LampIrradiance light;
+  const std::vector<ShadowLine> lines;
+  const ShootingPatches patches;
+  std::shared_ptr<const OccluderPolygons> occluders;
+  const std::size_t most_cells;
+  AdaptiveCells cells;
+  const std::size_t begun;
+  ReceivingElements elements;
+  bool refines = true, gathers = true;
+
+  std::vector<double> sent;    // S, W/m^2, [patch * 3 + band]
+  std::vector<double> unshot;  // W/m^2, [patch * 3 + band]; a little negative where textured elements were split
+  std::vector<double> energy;  // unshot, W, per patch, signs aside
+  std::vector<Lamp> pending;   // shooters whose light was not looked at yet
+  std::unique_ptr<PatchExchange> exchange;  // all patches to all elements; none: the elements changed
+  std::map<std::uint32_t, PatchRow> kept;
+  std::size_t kept_factors = 0;
+  double sent_power = 0, escaped = 0;             // W; sent: signs aside
+  double unshot_power = 0, to_send = 0;           // W; unshot: signs aside, to_send: what balances
+  double residual_bound = 0, largest_source = 0;  // W/m^2
+  double mean_reflectance = 0;
+};
+
+RefiningShooting::Impl::Impl(const Scene& scene, const RefiningShootingOptions& the_options,
+                             const Progress& the_progress)
+    : options(the_options),
+      progress(the_progress),
+      faces(painted_faces(scene)),
+      light(scene, faces.mesh),
+      lines(by_importance(find_shadow_lines(light))),
+      patches(make_shooting_patches(faces.mesh, lines, patch_size(faces.mesh, the_options),
+                                    shortest_edge * scene_size(faces.mesh))),
+      occluders(std::make_shared<const OccluderPolygons>(make_occluder_polygons(faces.mesh))),
+      most_cells(the_options.element_count / 2),
+      cells(cut_along_shadow_lines(faces.mesh, patches, lines, the_options.contrast, most_cells / 3)),
+      begun(cells.cells().size()),
+      elements(scene, patches.mesh, occluders, cells,
+               {the_options.front_sides_only, the_options.factors, the_options.seed}, the_progress),
+      sent(3 * patches.mesh.patch_count(), 0) {
+  refine_for_points();
 }
 
 /// Points and far lights have shone before the first shot.
@@ -202,136 +165,32 @@ void RefiningShooting::Impl::refine_for_points() {
   cells.measure(light);
   // What they light may be the lamp of all the rest, which should not find the elements gone.
   const std::size_t allowed = begun + (allowance() - begun) / 2;
-  if (cells.cells().size() < allowed) refine_elements(allowed);
+  if (cells.cells().size() < allowed) refine_cells(allowed);
 }
 
-/// Splits what asks for it, as the cells were measured, and makes elements of them.
-void RefiningShooting::Impl::refine_elements(std::size_t most) {
-  const std::size_t before = cells.cells().size();
-  (void)cells.refine(light, most, progress);
-  if (cells.cells().size() > before) {
-    take_elements(cells.elements());
-    weigh();
-  }
-}
-
-/// Elements of cells that were not cut keep what they know; the others are painted and lit.
-void RefiningShooting::Impl::take_elements(AdaptiveCells::Elements made) {
-  std::vector<std::uint32_t> of_origin(cells.cells().size(), 0);
-  for (const AdaptiveCell& c : cells.cells()) ++of_origin[c.origin];
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> old;  // by patch and cell
-  for (std::uint32_t e = 0; e < cell_of.size(); ++e) old[{parent[e], cell_of[e]}] = e;
-
-  RadiosityProblem next = make_radiosity_problem(made.mesh);
-  const bool lit = !problem.irradiance.empty();
-  if (lit) next.irradiance.assign(next.emission.size(), 0);
-  next.light_power = problem.light_power;
-  std::vector<double> next_received(next.emission.size(), 0), next_arrived(next.element_count(), 0);
-  std::vector<std::uint32_t> fresh;
-  ElementBuilder children(patches);
-  double lost = 0;  // power received by those that are no more, W
-  for (std::uint32_t k = 0; k < made.parent.size(); ++k) {
-    const std::uint32_t origin = cells.cells()[made.cell[k]].origin;
-    const auto found = old.find({made.parent[k], origin});
-    if (found == old.end() || of_origin[origin] > 1) {
-      fresh.push_back(k);
-      children.add(made.parent[k], made.mesh.polygon(k));
-    }
-    if (found == old.end()) continue;
-    const std::uint32_t e = found->second;
-    const bool same = of_origin[origin] == 1;
-    if (!same && made.cell[k] != origin) continue;  // the first half stands for the whole it came from
-    for (std::size_t b = 0; b < 3; ++b) {
-      if (same) {
-        next.reflectance[3 * k + b] = problem.reflectance[3 * e + b];
-        next.emission[3 * k + b] = problem.emission[3 * e + b];
-        next_received[3 * k + b] = received[3 * e + b];
-        if (lit) next.irradiance[3 * k + b] = problem.irradiance[3 * e + b];
-      } else {
-        lost += problem.areas[e] * received[3 * e + b];
-      }
-    }
-    if (same) next_arrived[k] = arrived[e];
-  }
-
-  const PatchMesh painted = [&] {
-    PatchMesh mesh = std::move(children).finish();
-    if (mesh.patch_count() > 0) paint_elements(scene, shape_segments, mesh);
-    return mesh;
-  }();
-  const bool first = cell_of.empty();
-  DirectIrradiance direct;
-  if (first || lit) direct = direct_irradiance(scene, painted, {.seed = options.seed, .progress = progress});
-  if (first) next.light_power = std::move(direct.light_power);
-  if (first && !direct.irradiance.empty()) next.irradiance.assign(next.emission.size(), 0);
-  for (std::size_t n = 0; n < fresh.size(); ++n) {
-    const std::uint32_t k = fresh[n];
-    const bool black = options.front_sides_only && made.mesh.surfaces[k].back;
-    for (std::size_t b = 0; b < 3; ++b) {
-      next.reflectance[3 * k + b] = black ? 0 : painted.reflectance[3 * n + b];
-      next.emission[3 * k + b] = black ? 0 : painted.emission[3 * n + b];
-      if (!direct.irradiance.empty()) next.irradiance[3 * k + b] = direct.irradiance[3 * n + b];
-    }
-  }
-  elements = std::move(made.mesh);
-  elements.reflectance = next.reflectance;
-  elements.emission = next.emission;
-  problem = std::move(next);
-  parent = std::move(made.parent);
-  cell_of = std::move(made.cell);
-  received = std::move(next_received);
-  arrived = std::move(next_arrived);
-  escaped += lost;
-  receive_what_was_sent(fresh, painted);
-  exchange.reset();
-  kept.clear();
-  kept_factors = 0;
-}
-
-/// New elements gather from all patches what they have sent until now.
-void RefiningShooting::Impl::receive_what_was_sent(const std::vector<std::uint32_t>& fresh, const PatchMesh& children) {
-  std::vector<std::uint32_t> senders;
-  for (std::uint32_t p = 0; p < patches.patch_count(); ++p) {
-    if (sent[3 * p] != 0 || sent[3 * p + 1] != 0 || sent[3 * p + 2] != 0) senders.push_back(p);
-  }
-  if (senders.empty() || fresh.empty()) return;
-  const PatchExchange between(patches, senders, children, occluders, options.factors, clusters_surveyed_meanwhile);
-  parallel_for(fresh.size(), 8, [&](std::size_t first, std::size_t last) {
-    for (std::size_t n = first; n < last; ++n) {
-      const PatchRow row = between.from_element(n);
-      for (std::size_t k = 0; k < row.patches.size(); ++k) {
-        const double factor = row.exchanges[k] / problem.areas[fresh[n]];
-        for (std::size_t b = 0; b < 3; ++b)
-          received[3 * fresh[n] + b] += factor * sent[3 * senders[row.patches[k]] + b];
-      }
-    }
-  });
-  for (const std::uint32_t k : fresh) {
-    for (std::size_t b = 0; b < 3; ++b) escaped -= problem.areas[k] * received[3 * k + b];
-  }
-}
-
-/// What patches have still to send.
+/// What patches have still to send: the mean radiosity of their elements less what they have sent.
 void RefiningShooting::Impl::weigh() {
-  const std::size_t count = patches.patch_count();
+  const RadiosityProblem& problem = elements.problem();
+  const std::size_t count = patches.mesh.patch_count();
   unshot.assign(3 * count, 0);
   energy.assign(count, 0);
   std::vector<double> area(count, 0);
   double most_unshot[3] = {}, most_reflects[3] = {}, reflected = 0, all = 0, lit = 0, lit_area = 0;
   largest_source = 0;
-  for (std::size_t e = 0; e < parent.size(); ++e) {
-    area[parent[e]] += problem.areas[e];
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const std::size_t p = elements.patch_of(e);
+    area[p] += problem.areas[e];
     all += problem.areas[e];
     double most = 0, brightness = 0;
     for (std::size_t b = 0; b < 3; ++b) {
-      const double rho = problem.reflectance[3 * e + b];
+      const double rho = problem.reflectance[3 * e + b], received = elements.received()[3 * e + b];
       const double own = problem.irradiance.empty() ? 0 : problem.irradiance[3 * e + b];
       const double source = problem.emission[3 * e + b] + rho * own;
-      unshot[3 * parent[e] + b] += problem.areas[e] * (source + rho * received[3 * e + b]);
+      unshot[3 * p + b] += problem.areas[e] * (source + rho * received);
       largest_source = std::max(largest_source, source);
       most_reflects[b] = std::max(most_reflects[b], rho);
       most = std::max(most, rho);
-      brightness = std::max(brightness, own + received[3 * e + b]);
+      brightness = std::max(brightness, own + received);
     }
     cells.note_brightness(brightness);
     if (brightness > 0) lit_area += problem.areas[e];
@@ -339,90 +198,80 @@ void RefiningShooting::Impl::weigh() {
     reflected += problem.areas[e] * most;
   }
   if (lit_area > 0) cells.limit_standard(lit / lit_area);
-  unshot_power = 0;
+  unshot_power = to_send = 0;
   for (std::size_t p = 0; p < count; ++p) {
     for (std::size_t b = 0; b < 3; ++b) {
       double& value = unshot[3 * p + b];
       value = value / area[p] - sent[3 * p + b];
       most_unshot[b] = std::max(most_unshot[b], std::abs(value));
       energy[p] += area[p] * std::abs(value);
-      unshot_power += area[p] * value;
+      to_send += area[p] * value;
     }
+    unshot_power += energy[p];
   }
   residual_bound = 0;
   for (std::size_t b = 0; b < 3; ++b) residual_bound = std::max(residual_bound, most_unshot[b] * most_reflects[b]);
   mean_reflectance = std::min(most_reflective, reflected / all);
 }
 
-/// The share of all light that was sent decides how many of the elements may be used by now.
-std::size_t RefiningShooting::Impl::allowance() const {
+/// The share of all light that was sent, about.
+double RefiningShooting::Impl::share_sent() const {
+  const RadiosityProblem& problem = elements.problem();
   double done = sent_power;
   if (!problem.irradiance.empty()) done += power_of(problem, problem.irradiance);
-  const double to_come = std::max(0.0, unshot_power) / (1 - mean_reflectance);
-  if (!(done > 0)) return begun;
-  const double share = done / (done + to_come);
+  return done > 0 ? done / (done + unshot_power / (1 - mean_reflectance)) : 0;
+}
+
+/// It decides how many of the elements may be used by now.
+std::size_t RefiningShooting::Impl::allowance() const {
+  const double share = share_sent();
   if (share > 1 - settled) return std::max(begun, most_cells);
   return begun + static_cast<std::size_t>(share * static_cast<double>(std::max(begun, most_cells) - begun));
 }
 
-void RefiningShooting::Impl::shoot(const std::vector<std::uint32_t>& shooters) {
+/// The brightest patches shoot; returns how many.
+std::size_t RefiningShooting::Impl::shoot(std::size_t most) {
+  if (!(unshot_power > 0)) return 0;
   if (!exchange) {
-    std::vector<std::uint32_t> all(patches.patch_count());
+    std::vector<std::uint32_t> all(patches.mesh.patch_count());
     for (std::uint32_t p = 0; p < all.size(); ++p) all[p] = p;
     exchange = std::make_unique<PatchExchange>(
-        patches, all, elements, occluders, options.factors,
+        patches.mesh, all, elements.mesh(), occluders, options.factors,
         refines ? clusters_surveyed_meanwhile : AutoFormFactors::Settings{}.surveyed_clusters);
   }
+  const std::vector<std::uint32_t> shooters = choose_shooters(energy, std::min(options.at_once, most));
   std::vector<PatchRow> rows(shooters.size());
   parallel_for(shooters.size(), 1, [&](std::size_t k, std::size_t) {
     const auto known = kept.find(shooters[k]);
     rows[k] = known != kept.end() ? known->second : exchange->from_sender(shooters[k]);
   });
-  for (std::size_t k = 0; k < shooters.size(); ++k) {
-    const std::uint32_t p = shooters[k];
-    Lamp lamp;
-    lamp.patch = face_of[p];
-    const auto corners = patches.polygon(p);
-    lamp.corners.assign(corners.begin(), corners.end());
-    for (std::size_t b = 0; b < 3; ++b) {
-      const double radiosity = unshot[3 * p + b];
-      lamp.strength[static_cast<int>(b)] = std::max(0.0, radiosity);
-      sent[3 * p + b] += radiosity;
-      sent_power += patches.areas[p] * std::abs(radiosity);
-      escaped += patches.areas[p] * radiosity;
-    }
-    if (refines) pending.push_back(std::move(lamp));
-    const PatchRow& row = rows[k];
-    for (std::size_t n = 0; n < row.patches.size(); ++n) {
-      const std::uint32_t e = row.patches[n];
-      double most = 0;
-      for (std::size_t b = 0; b < 3; ++b) {
-        const double arrives = row.exchanges[n] * unshot[3 * p + b];
-        received[3 * e + b] += arrives / problem.areas[e];
-        escaped -= arrives;
-        most = std::max(most, arrives);
-      }
-      arrived[e] += most / problem.areas[e];
-    }
-  }
+  for (std::size_t k = 0; k < shooters.size(); ++k) send(shooters[k], rows[k]);
   for (std::size_t k = 0; k < shooters.size(); ++k) {
     if (kept_factors + rows[k].patches.size() > most_kept || kept.contains(shooters[k])) continue;
     kept_factors += rows[k].patches.size();
     kept.emplace(shooters[k], std::move(rows[k]));
   }
   weigh();
+  return shooters.size();
 }
 
-/// Cells of elements that received enough to be worth a look.
-std::vector<std::uint32_t> RefiningShooting::Impl::brightened_cells() const {
-  const double enough = options.contrast * cells.standard();
-  std::vector<std::uint32_t> which;
-  for (std::size_t e = 0; e < arrived.size(); ++e) {
-    if (arrived[e] > enough) which.push_back(cell_of[e]);
+void RefiningShooting::Impl::send(std::uint32_t patch, const PatchRow& row) {
+  const auto radiosity = std::span(unshot).subspan(3 * patch, 3);
+  const double area = patches.mesh.areas[patch];
+  Lamp lamp;
+  lamp.patch = patches.face_of[patch];
+  const auto corners = patches.mesh.polygon(patch);
+  lamp.corners.assign(corners.begin(), corners.end());
+  for (std::size_t b = 0; b < 3; ++b) {
+    lamp.strength[static_cast<int>(b)] = std::max(0.0, radiosity[b]);
+    sent[3 * patch + b] += radiosity[b];
+    sent_power += area * std::abs(radiosity[b]);
+    escaped += area * radiosity[b];
   }
-  std::sort(which.begin(), which.end());
-  which.erase(std::unique(which.begin(), which.end()), which.end());
-  return which;
+  if (refines) pending.push_back(std::move(lamp));
+  for (std::size_t n = 0; n < row.patches.size(); ++n) {
+    escaped -= elements.receive(row.patches[n], row.exchanges[n], radiosity);
+  }
 }
 
 /// Looks at the light of the brightest that shot since the last look, when that may lead to enough new elements.
@@ -442,9 +291,19 @@ void RefiningShooting::Impl::look() {
   if (pending.size() > options.at_once) pending.resize(options.at_once);
   light.set_lamps(std::exchange(pending, {}));
   cells.mark();
-  cells.measure(light, brightened_cells());
-  std::fill(arrived.begin(), arrived.end(), 0.0);
-  refine_elements(allowance());
+  cells.measure(light, elements.brightened_cells(options.contrast * cells.standard()));
+  elements.forget_arrivals();
+  refine_cells(allowance());
+}
+
+/// Splits what asks for it, as the cells were measured, and makes elements of them.
+void RefiningShooting::Impl::refine_cells(std::size_t most) {
+  const std::size_t before = cells.cells().size();
+  (void)cells.refine(light, most, progress);
+  if (cells.cells().size() == before) return;
+  elements.follow(cells, sent);
+  forget_rows();
+  weigh();
 }
 
 /// The rest of the elements goes to the largest cells; the mesh is now as it will be.
@@ -454,46 +313,51 @@ void RefiningShooting::Impl::settle() {
   cells.mark();
   const std::size_t before = cells.cells().size();
   cells.split_largest(most_cells);
-  if (cells.cells().size() > before) take_elements(cells.elements());
-  if (!problem.irradiance.empty()) {
-    DirectIrradiance direct = direct_irradiance(scene, elements, {.seed = options.seed, .progress = progress});
-    problem.irradiance = std::move(direct.irradiance);
-    problem.light_power = std::move(direct.light_power);
-  }
-  exchange.reset();
-  kept.clear();
-  kept_factors = 0;
+  if (cells.cells().size() > before) elements.follow(cells, sent);
+  elements.light_again();
+  forget_rows();
   weigh();
 }
 
-std::vector<double> RefiningShooting::Impl::irradiance() const {
-  std::vector<double> all = received;
-  for (std::size_t k = 0; k < problem.irradiance.size(); ++k) all[k] += problem.irradiance[k];
-  return all;
+/// Elements gather from each other what patches have sent, each element its share of what its patch sent by how bright
+/// it is.
+void RefiningShooting::Impl::gather(const Progress& stop) {
+  gathers = false;
+  std::vector<double> of_elements = elements.radiosity();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      const std::size_t p = 3 * elements.patch_of(e) + b;
+      const double mean = sent[p] + unshot[p];
+      of_elements[3 * e + b] *= mean > 0 ? sent[p] / mean : 0;
+    }
+  }
+  const double before = elements.received_power();
+  if (!elements.gather(of_elements, stop)) return;
+  escaped += before - elements.received_power();
+  weigh();
 }
 
-std::vector<double> RefiningShooting::Impl::radiosity() const {
-  std::vector<double> all = irradiance();
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = problem.emission[k] + problem.reflectance[k] * all[k];
-  return all;
+void RefiningShooting::Impl::forget_rows() {
+  exchange.reset();
+  kept.clear();
+  kept_factors = 0;
 }
 
 std::vector<double> RefiningShooting::Impl::unshot_of_elements() const {
-  std::vector<double> all(received.size());
-  for (std::size_t e = 0; e < parent.size(); ++e) {
-    for (std::size_t b = 0; b < 3; ++b) all[3 * e + b] = unshot[3 * parent[e] + b];
-  }
+  std::vector<double> all(3 * elements.size());
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = unshot[3 * elements.patch_of(k / 3) + k % 3];
   return all;
 }
 
 RadiositySolution RefiningShooting::Impl::take() {
+  const RadiosityProblem& problem = elements.problem();
   RadiositySolution solution;
-  solution.radiosity = radiosity();
-  solution.irradiance = irradiance();
+  solution.radiosity = elements.radiosity();
+  solution.irradiance = elements.irradiance();
   solution.energy.emitted = emitted_power(problem);
   solution.energy.absorbed = absorbed_power(problem, solution.irradiance);
   solution.energy.escaped = escaped + power_past_all(problem);
-  solution.energy.unshot = unshot_power;
+  solution.energy.unshot = to_send;
   solution.unshot_fraction = solution.energy.emitted > 0 ? unshot_power / solution.energy.emitted : 0;
   const double most = *std::max_element(problem.reflectance.begin(), problem.reflectance.end());
   if (most < 1) solution.error_bound = residual_bound / (1 - most);
@@ -511,23 +375,29 @@ RefiningShooting::RefiningShooting(const Scene& scene, const RefiningShootingOpt
 
 RefiningShooting::~RefiningShooting() = default;
 
-const PatchMesh& RefiningShooting::mesh() const { return impl_->elements; }
-const RadiosityProblem& RefiningShooting::problem() const { return impl_->problem; }
+const PatchMesh& RefiningShooting::mesh() const { return impl_->elements.mesh(); }
+const RadiosityProblem& RefiningShooting::problem() const { return impl_->elements.problem(); }
 const std::vector<std::string>& RefiningShooting::warnings() const { return impl_->faces.warnings; }
 
 RadiositySolution RefiningShooting::solve(const SolverOptions& options) {
   Impl& s = *impl_;
-  SolverCourse course(options, 100000 + 10000 * s.patches.patch_count());
+  SolverCourse course(options, 100000 + 10000 * s.patches.mesh.patch_count());
   while (course.goes_on()) {
-    std::vector<std::uint32_t> shooters;
-    if (s.unshot_power > 0) shooters = choose_shooters(s.energy, std::min(s.options.at_once, course.left()));
-    s.shoot(shooters);
+    const double before = s.unshot_power;
+    std::size_t shots = s.shoot(course.left());
     if (s.refines) s.refine();
-    const double emitted = emitted_power(s.problem);
-    course.note(std::max<std::size_t>(shooters.size(), 1),
-                s.largest_source > 0 ? s.residual_bound / s.largest_source : 0,
-                emitted > 0 ? s.unshot_power / emitted : 0, emitted > 0 ? 1 - s.unshot_power / emitted : 1,
-                s.radiosity(), s.unshot_of_elements());
+    if (!s.refines && s.gathers && s.share_sent() > 1 - settled && s.elements.size() <= s.options.most_gathering) {
+      s.gather(options.progress);
+    }
+    // What elements see better than patches did may be more light: the step ends when less is unshot than before it.
+    while (s.unshot_power > 0 && s.unshot_power >= before && shots < course.left() &&
+           !options.progress.stop_requested()) {
+      shots += s.shoot(course.left() - shots);
+    }
+    const double emitted = emitted_power(s.elements.problem());
+    const double unshot = emitted > 0 ? s.unshot_power / emitted : 0;
+    course.note(std::max<std::size_t>(shots, 1), s.largest_source > 0 ? s.residual_bound / s.largest_source : 0, unshot,
+                emitted > 0 ? 1 - unshot : 1, s.elements.radiosity(), s.unshot_of_elements());
   }
   RadiositySolution solution = s.take();
   course.record(solution);

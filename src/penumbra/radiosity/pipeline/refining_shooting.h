@@ -22,6 +22,9 @@ struct RefiningShootingOptions {
   bool front_sides_only = false;     ///< backs are black and opaque
   FormFactorOptions factors;
   std::size_t at_once = 16;  ///< patches that shoot at once; the result depends on it, on threads it does not
+  /// Up to this many elements gather from each other once; 0: none. With more the time would grow as their square, and
+  /// patches are small enough.
+  std::size_t most_gathering = 30000;
   std::uint64_t seed = 0;
 };
 
@@ -36,11 +39,18 @@ struct RefiningShootingOptions {
 ///
 /// After each batch the elements that received most are looked at: where the shooters' light (exact at points) departs
 /// from what an element's corners interpolate to, it is split, worst first, as many as befits the share of the light
-/// that has been sent by then. New elements gather what all patches have sent (H_e = sum_p F_ep S_p), the shooters'
-/// light among it, so that the state is always that of one mesh, however it came about. So whatever shines, a lamp or a
-/// bright ceiling, gets elements along its shadows. Lights that are no elements (points, far lights) are looked at
-/// before the first shot; the sky asks for no elements. What is left of the elements when nearly all light was sent is
-/// spent on the largest.
+/// that has been sent by then. The pieces share out what the whole had received as all patches' light (sum_p F_ep S_p)
+/// falls on them: cuts change no power. So whatever shines, a lamp or a bright ceiling, gets elements along its
+/// shadows. Lights that are no elements (points, far lights) are looked at before the first shot; the sky asks for no
+/// elements. What is left of the elements when nearly all light was sent is spent on the largest.
+///
+/// Near a corner a patch's mean says little of what its parts send. So, when the elements are as they will be and
+/// nearly all light was sent, elements gather once from each other,
+///
+///     H_e = sum_c F_ec S_c,    S_c = B_c S_p / (mean of B over p),    c a piece of p,
+///
+/// and patches send the rest. Against the same elements solved by Gauss-Seidel radiosities differ by 0.2 to 0.7 %
+/// (root mean square, Cornell box), by 1.5 to 3 % without.
 ///
 /// Memory is O(elements + patches): rows are computed when they are asked for (a fixed number is kept). The same bits
 /// on any number of threads.
@@ -56,7 +66,8 @@ class RefiningShooting {
   [[nodiscard]] const std::vector<std::string>& warnings() const;
   /// Shoots until a criterion holds. Iterations, residuals, escaped energy and ends are those of solve_shooting();
   /// residuals and unshot energy are of the patches. Stages show the elements of their time, see mesh(). The unshot
-  /// energy falls with each batch; splitting changes it by no more than the errors of the form factors. Call it once.
+  /// energy (sum over patches of A_p |dB_p|) falls from stage to stage: where finer elements find light that coarser
+  /// ones missed, the stage goes on until less is unshot than before it. Call it once.
   [[nodiscard]] RadiositySolution solve(const SolverOptions& options);
 
  private:

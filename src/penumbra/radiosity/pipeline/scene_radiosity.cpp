@@ -111,15 +111,24 @@ bool looks_closed(const RadiositySetup& setup) {
   return seeing > 0 && closed > most_sides * seeing;
 }
 
-// The power that may have escaped by the factors' errors alone, W.
-double escape_by_errors(const RadiositySetup& setup, const RadiositySolution& solution) {
-  double power = 0;
+// What left sides that see something and arrived nowhere, W, and what of it the factors' errors explain. Sides that see
+// nothing, as the outside of a room, leak nothing.
+struct Escape {
+  double power = 0, by_errors = 0;
+};
+
+Escape escape_from_seeing_sides(const RadiositySetup& setup, const RadiositySolution& solution) {
+  Escape escape;
   for (std::size_t i = 0; i < setup.factors.rows(); ++i) {
+    const double sum = setup.factors.row_sum(i);
+    if (sum == 0) continue;
     for (std::size_t b = 0; b < 3; ++b) {
-      power += setup.mesh.surfaces[i].area * solution.radiosity[3 * i + b] * setup.factors.row_errors[i];
+      const double leaves = setup.mesh.surfaces[i].area * solution.radiosity[3 * i + b];
+      escape.power += leaves * (1 - sum);
+      escape.by_errors += leaves * setup.factors.row_errors[i];
     }
   }
-  return power;
+  return escape;
 }
 
 double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& solution) {
@@ -298,10 +307,9 @@ SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
     result.absorbed_by_backs = absorbed_by_backs(setup, solution);
     solution.energy.absorbed -= result.absorbed_by_backs;
   }
-  const double explained = 2 * escape_by_errors(setup, solution) + negligible_leak * solution.energy.emitted;
-  if (!solution.partial && solution.energy.escaped > explained && looks_closed(setup)) {
-    result.leak = solution.energy.escaped;
-  }
+  const Escape escape = escape_from_seeing_sides(setup, solution);
+  const double explained = 2 * escape.by_errors + negligible_leak * solution.energy.emitted;
+  if (!solution.partial && escape.power > explained && looks_closed(setup)) result.leak = escape.power;
   return result;
 }
 

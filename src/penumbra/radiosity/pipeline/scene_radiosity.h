@@ -91,7 +91,8 @@ struct SceneRadiosity {
   /// Standard error of the irradiance that comes by way of mirrors and glass, for it is sampled: mean over the
   /// elements' area, as a share of the mean irradiance. 0 without such light.
   double specular_error = 0;
-  double leak = 0;  ///< W: what escaped from a scene that looks closed, beyond the factors' errors; else 0
+  double leak =
+      0;  ///< W: what escaped from the inside of a scene that looks closed, beyond the factors' errors; else 0
 };
 
 /// Solves it. Where elements are refined as light arrives, the setup's mesh and problem are those of each stage, and of
