@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <ctime>
 
 #include "exit_code.h"
@@ -25,10 +26,16 @@ Interrupt::~Interrupt() {
 }
 
 void Interrupt::wait_for_signals() {
+  // timeout(1) and some shells signal a process and then its group: one wish, told twice.
+  constexpr auto same_wish = std::chrono::milliseconds(300);
+  std::chrono::steady_clock::time_point first;
   for (;;) {
     int signal = 0;
     sigwait(&signals_, &signal);
     if (ending_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (source_.stop_requested() && now - first < same_wish) continue;
+    first = now;
     if (source_.stop_requested() || !keeps_) {
       fmt::print(stderr, "\npenumbra: interrupted; nothing was written\n");
       ::_exit(exit_interrupted);

@@ -8,7 +8,8 @@
 namespace penumbra::cli {
 
 /// Ctrl-C (SIGINT) and SIGTERM while it lives: the first asks the work to stop and keep what it has, the second ends
-/// the program at once. While there is nothing to keep, the first ends it too.
+/// the program at once (one within 0.3 s of the first counts as the same). While there is nothing to keep, the first
+/// ends it too.
 ///
 /// A thread of its own waits for the signals, so nothing runs inside a signal handler.
 /// @pre made before any other thread, which then inherits the blocked signals.

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "penumbra/file/file_error.h"
+#include "penumbra/image/tonemap.h"
 #include "penumbra/io/gltf_writer.h"
 #include "penumbra/io/ply_writer.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
@@ -25,13 +26,6 @@ constexpr const char* bands[] = {"red", "green", "blue"};
 bool is_dark(const DiffuseSolution& s, std::size_t i) {
   return s.irradiance[3 * i] == 0 && s.irradiance[3 * i + 1] == 0 && s.irradiance[3 * i + 2] == 0 &&
          s.radiosity[3 * i] == 0 && s.radiosity[3 * i + 1] == 0 && s.radiosity[3 * i + 2] == 0;
-}
-
-// IEC 61966-2-1.
-std::uint8_t srgb_byte(double linear) {
-  const double x = std::clamp(linear, 0.0, 1.0);
-  const double encoded = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255 * encoded));
 }
 
 PolygonCells cells_of(const DiffuseSolution& s, const ColourScale& scale, std::vector<std::uint8_t>& colours) {
@@ -56,7 +50,9 @@ PolygonCells cells_of(const DiffuseSolution& s, const ColourScale& scale, std::v
     for (std::size_t q = 0; q < 4; ++q) {
       for (std::size_t b = 0; b < 3; ++b) cells.values[3 + 3 * q + b].values.push_back((*quantities[q])[3 * i + b]);
     }
-    for (std::size_t b = 0; b < 3; ++b) colours.push_back(srgb_byte(s.radiosity[3 * i + b] * to_colour));
+    for (std::size_t b = 0; b < 3; ++b) {
+      colours.push_back(srgb_encode8(static_cast<float>(s.radiosity[3 * i + b] * to_colour)));
+    }
   }
   return cells;
 }

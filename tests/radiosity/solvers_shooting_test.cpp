@@ -150,6 +150,50 @@ TEST(FactorRows, RowsOfPairMethodsAreThoseOfTheMatrix) {
   }
 }
 
+/// Counts how often rows are asked for.
+class CountingRows final : public FactorRowSource {
+ public:
+  explicit CountingRows(const FactorMatrix& matrix) : rows_(matrix) {}
+  [[nodiscard]] std::size_t size() const override { return rows_.size(); }
+  void read(std::size_t element, FactorRow& row) const override {
+    ++reads;
+    rows_.read(element, row);
+  }
+  mutable std::size_t reads = 0;
+
+ private:
+  MatrixRows rows_;
+};
+
+TEST(FactorRows, RowsAreKeptWhileThereIsRoom) {
+  const PatchMesh mesh = room_with_plate(3);
+  const FactorMatrix factors = assemble_factor_matrix(*make_form_factor_method("point", mesh), mesh);
+  const CountingRows source(factors);
+  for (const std::size_t room : {std::size_t{0}, factors.values.size() / 2, factors.values.size()}) {
+    const KeptRows kept(source, room);
+    std::size_t reads[2] = {};
+    for (std::size_t& count : reads) {
+      source.reads = 0;
+      FactorRow row;
+      for (std::size_t i = 0; i < kept.size(); ++i) {
+        kept.read(i, row);
+        const auto values = factors.row_values(i);
+        EXPECT_EQ(row.factors, std::vector<double>(values.begin(), values.end()));
+      }
+      count = source.reads;
+    }
+    EXPECT_EQ(reads[0], kept.size());
+    if (room == 0) {
+      EXPECT_EQ(reads[1], kept.size());
+    } else if (room == factors.values.size()) {
+      EXPECT_EQ(reads[1], 0U);
+    } else {
+      EXPECT_GT(reads[1], 0U);
+      EXPECT_LT(reads[1], kept.size());
+    }
+  }
+}
+
 // A surface of several patches radiates as one.
 TEST(FactorRows, SurfacesOfSeveralPatchesAddUp) {
   PatchMeshBuilder builder(1, {}, [](std::uint32_t) { return std::string("face"); });

@@ -1,12 +1,14 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "penumbra/radiosity/form_factors/adaptive.h"
 #include "penumbra/radiosity/form_factors/auto.h"
 #include "penumbra/radiosity/form_factors/contact_factors.h"
 #include "penumbra/radiosity/form_factors/form_factor_method.h"
 #include "penumbra/radiosity/form_factors/hemicube.h"
+#include "penumbra/radiosity/form_factors/near_origin.h"
 #include "penumbra/radiosity/form_factors/pair_methods.h"
 #include "penumbra/radiosity/form_factors/ray_cast.h"
 
@@ -61,7 +63,8 @@ std::span<const std::string_view> form_factor_method_names() { return names; }
 
 std::unique_ptr<FormFactorMethod> make_form_factor_method(std::string_view name, const PatchMesh& mesh,
                                                           const FormFactorOptions& options) {
-  return with_contacts(make_by_name(name, mesh, options), mesh);
+  auto method = make_near_origin(mesh, [&](const PatchMesh& near) { return make_by_name(name, near, options); });
+  return with_contacts(std::move(method), mesh);
 }
 
 }  // namespace penumbra

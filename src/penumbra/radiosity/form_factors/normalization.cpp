@@ -104,6 +104,24 @@ Normalization normalize_rows(FactorMatrix& m) {
   return report;
 }
 
+double limit_row_sums(FactorMatrix& matrix) {
+  std::vector<double> share(matrix.rows(), 1);
+  double excess = 0;
+  for (std::size_t i = 0; i < matrix.rows(); ++i) {
+    const double sum = matrix.row_sum(i);
+    if (sum <= 1) continue;
+    excess = std::max(excess, sum - 1);
+    share[i] = 1 / sum;
+  }
+  if (excess == 0) return 0;
+  for (std::size_t i = 0; i < matrix.rows(); ++i) {
+    for (std::uint64_t k = matrix.offsets[i]; k < matrix.offsets[i + 1]; ++k) {
+      matrix.values[k] *= std::min(share[i], share[matrix.columns[k]]);
+    }
+  }
+  return excess;
+}
+
 Normalization normalize_least_squares(FactorMatrix& m) {
   Normalization report;
   report.largest_defect = largest_defect(m);

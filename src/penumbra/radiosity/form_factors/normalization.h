@@ -15,6 +15,11 @@ struct Normalization {
 /// Divides each row by its sum, so that an enclosure keeps its energy. Reciprocity is lost to the order of the change.
 Normalization normalize_rows(FactorMatrix& matrix);
 
+/// Lowers factors so that no row sums to more than 1 and none makes light out of nothing, as errors and faces that lie
+/// on one another do; reciprocity is kept: an exchange is multiplied by the lesser of 1 / row sum of its two rows. Rows
+/// and partners that sum to at most 1 stay as they are. Returns by how much the largest row sum was above 1.
+double limit_row_sums(FactorMatrix& matrix);
+
 /// Makes every row sum 1 and keeps reciprocity, with the least change: of all symmetric corrections d_ij of the
 /// exchanges x_ij = A_i F_ij that give sum over j of (x_ij + d_ij) = A_i, the one with the smallest sum of d_ij^2 /
 /// x_ij^2 (least-squares smoothing, van Leersum 1989; Loehrke, Dolaghan & Burns 1995, who weight so). The multipliers

@@ -80,7 +80,9 @@ MadePatchMesh make_uniform_elements(const Scene& scene, const MeshingOptions& op
   const double size = element_size(coarse.mesh, options);
   ElementBuilder builder(coarse.mesh);
   for (std::uint32_t p = 0; p < coarse.mesh.radiating_count; ++p) {
-    divide_polygon(coarse.mesh.polygon(p), size, [&](std::span<const Vec3d> cell) { builder.add(p, cell); });
+    divide_polygon(coarse.mesh.polygon(p), size, [&](std::span<const Vec3d> cell) {
+      if (polygon_area(cell) > 0) builder.add(p, cell);  // the tip of a sliver may have no width that a double can hold
+    });
   }
   PatchMesh elements = std::move(builder).finish();
   paint_elements(scene, options.shape_segments, elements);

@@ -1,5 +1,6 @@
 #include "penumbra/radiosity/pipeline/patch_exchange.h"
 
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,10 @@ PatchExchange::PatchExchange(const PatchMesh& patches, std::span<const std::uint
 PatchRow PatchExchange::from_sender(std::size_t sender) const {
   PatchRow row = method_->row(static_cast<std::uint32_t>(sender));
   for (std::uint32_t& j : row.patches) j -= static_cast<std::uint32_t>(sender_count_);
+  const double sent = std::accumulate(row.exchanges.begin(), row.exchanges.end(), 0.0);
+  if (sent > mesh_.areas[sender]) {
+    for (double& exchange : row.exchanges) exchange *= mesh_.areas[sender] / sent;
+  }
   return row;
 }
 

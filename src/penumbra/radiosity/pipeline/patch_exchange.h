@@ -23,7 +23,7 @@ class PatchExchange {
   PatchExchange(const PatchExchange&) = delete;  // the method knows where the mesh stands
   PatchExchange& operator=(const PatchExchange&) = delete;
 
-  /// A_i F_ij (m^2) from a sender to the elements, by ascending element.
+  /// A_i F_ij (m^2) from a sender to the elements, by ascending element; together no more than A_i.
   [[nodiscard]] PatchRow from_sender(std::size_t sender) const;
   /// From an element to the senders, by ascending sender.
   [[nodiscard]] PatchRow from_element(std::size_t element) const;

@@ -200,6 +200,7 @@ void RefiningShooting::Impl::weigh() {
   if (lit_area > 0) cells.limit_standard(lit / lit_area);
   unshot_power = to_send = 0;
   for (std::size_t p = 0; p < count; ++p) {
+    if (!(area[p] > 0)) continue;  // a sliver whose cells have no width that a double can hold
     for (std::size_t b = 0; b < 3; ++b) {
       double& value = unshot[3 * p + b];
       value = value / area[p] - sent[3 * p + b];

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "penumbra/radiosity/direct_irradiance.h"
+#include "penumbra/radiosity/form_factors/normalization.h"
 #include "penumbra/radiosity/meshing/adaptive_elements.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/uniform.h"
@@ -32,6 +33,7 @@ constexpr double bytes_a_pair = 8;
 constexpr double full_row = 0.98;
 constexpr double most_sides = 0.9;
 constexpr double negligible_leak = 1e-4;  // of the power emitted
+constexpr double notable_excess = 0.02;   // of a row's sum over 1
 
 class Stopwatch {
  public:
@@ -138,6 +140,16 @@ double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& s
     for (std::size_t b = 0; b < 3; ++b) power += setup.mesh.surfaces[i].area * solution.irradiance[3 * i + b];
   }
   return power;
+}
+
+// Factors are no more exact than their method; faces that lie on one another in part count twice.
+void keep_from_making_light(RadiositySetup& setup) {
+  const double excess = limit_row_sums(setup.factors);
+  if (excess < notable_excess) return;
+  setup.warnings.push_back(fmt::format(
+      "form factors of an element sum to {:.3g}, more than 1: faces that lie on one another count twice, or the "
+      "method is too rough; they were scaled down so that no light is made (penumbra check names such faces)",
+      1 + excess));
 }
 
 // What mirrors and glass pass on is not theirs to reflect diffusely. None are found when their light is not wanted.
@@ -267,6 +279,7 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   } else {
     refuse_what_does_not_fit(options, setup->mesh.surface_count());
     setup->factors = assemble_factor_matrix(*method, setup->mesh, progress);
+    keep_from_making_light(*setup);
     if (!air.is_clear()) setup->taken_by_air = weaken_factors(setup->mesh, air, setup->factors);
   }
   setup->partial = setup->partial || direct.partial || setup->factors.partial;
@@ -295,7 +308,9 @@ SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
   if (setup.refining) {
     solution = refine_and_shoot(setup, options);
   } else if (setup.row_method) {
-    solution = solve_shooting(setup.problem, MethodRows(*setup.row_method, setup.mesh), options);
+    const MethodRows rows(*setup.row_method, setup.mesh);
+    const LimitedRows limited(rows);
+    solution = solve_shooting(setup.problem, KeptRows(limited), options);
   } else {
     solution = solve_radiosity(setup.solver, setup.problem, setup.factors, options);
   }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "penumbra/math/polygon.h"
 #include "penumbra/radiosity/meshing/adaptive_cells.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/face_cells.h"
@@ -29,6 +30,7 @@ ShootingPatches make_shooting_patches(const PatchMesh& faces, std::span<const Sh
   for (std::size_t k = 0; k < cells.size(); ++k) {
     const auto [front, back] = plates.plates()[k];
     for (const FaceCells::Cell& cell : cells[k].cells()) {
+      if (!(polygon_area(cell) > 0)) continue;
       builder.add(front, cell);
       patches.face_of.push_back(front);
       if (back == AdaptiveCells::none) continue;

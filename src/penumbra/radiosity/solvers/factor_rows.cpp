@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -58,6 +59,28 @@ void MethodRows::read(std::size_t element, FactorRow& row) const {
     merged.exchanges.push_back(exchange);
   }
   take(merged);
+}
+
+void LimitedRows::read(std::size_t element, FactorRow& row) const {
+  source_.read(element, row);
+  const double sum = std::accumulate(row.factors.begin(), row.factors.end(), 0.0);
+  if (sum <= 1) return;
+  for (double& factor : row.factors) factor /= sum;
+}
+
+void KeptRows::read(std::size_t element, FactorRow& row) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = kept_.find(element); known != kept_.end()) {
+      row = known->second;
+      return;
+    }
+  }
+  source_.read(element, row);
+  const std::lock_guard lock(mutex_);
+  if (row.columns.size() > room_ || kept_.contains(element)) return;
+  room_ -= row.columns.size();
+  kept_.emplace(element, row);
 }
 
 }  // namespace penumbra

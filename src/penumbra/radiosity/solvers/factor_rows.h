@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
+#include <unordered_map>
 #include <vector>
 
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
@@ -52,6 +54,35 @@ class MethodRows final : public FactorRowSource {
   const FormFactorMethod& method_;
   const PatchMesh& mesh_;
   std::vector<std::uint32_t> first_patch_;  ///< surface s has the radiating patches [first_patch_[s], [s + 1])
+};
+
+/// Rows of another source, which must outlive it; those that sum to more than 1 are scaled to 1: nothing sends out more
+/// light than it has.
+class LimitedRows final : public FactorRowSource {
+ public:
+  explicit LimitedRows(const FactorRowSource& source) : source_(source) {}
+  [[nodiscard]] std::size_t size() const override { return source_.size(); }
+  void read(std::size_t element, FactorRow& row) const override;
+
+ private:
+  const FactorRowSource& source_;
+};
+
+/// Rows of another source, which must outlive it, kept once they were read as long as there is room: a shooter shoots
+/// several times.
+class KeptRows final : public FactorRowSource {
+ public:
+  /// @param most_factors kept altogether, 12 bytes each.
+  explicit KeptRows(const FactorRowSource& source, std::size_t most_factors = 4000000)
+      : source_(source), room_(most_factors) {}
+  [[nodiscard]] std::size_t size() const override { return source_.size(); }
+  void read(std::size_t element, FactorRow& row) const override;
+
+ private:
+  const FactorRowSource& source_;
+  mutable std::mutex mutex_;
+  mutable std::unordered_map<std::size_t, FactorRow> kept_;
+  mutable std::size_t room_;
 };
 
 }  // namespace penumbra

@@ -5,6 +5,12 @@
 #include <stdexcept>
 
 namespace penumbra {
+namespace {
+
+/// Residuals that have grown by this factor will not fall again.
+constexpr double diverged = 1e9;
+
+}  // namespace
 
 SolverCourse::SolverCourse(const SolverOptions& options, std::size_t safe_limit)
     : options_(options), limit_(options.max_iterations > 0 ? options.max_iterations : safe_limit) {
@@ -24,6 +30,8 @@ void SolverCourse::note(std::size_t count, double residual, double left, double 
   converged_ = residual == 0 || (accurate(residual) && left <= options_.most_unshot) ||
                (options_.stop_at < 1 && shot >= options_.stop_at);
   partial_ = !converged_ && options_.progress.stop_requested();
+  // Rows that sum to more than 1 can make light grow without end, and soon beyond all numbers.
+  if (residual > diverged * residuals_.front()) limit_ = iterations_;
 
   // Residuals fall geometrically: progress is even in their logarithm.
   double done = static_cast<double>(iterations_) / static_cast<double>(limit_);

@@ -13,22 +13,6 @@ bool all_zero(const std::vector<double>& values, std::size_t element) {
   return values[3 * element] == 0 && values[3 * element + 1] == 0 && values[3 * element + 2] == 0;
 }
 
-/// The factors of a material without its textures.
-SurfaceMaterial plain_surface(const Material& m) {
-  SurfaceMaterial s;
-  s.base_colour = m.base_colour;
-  s.metallic = m.metallic;
-  s.roughness = m.roughness;
-  s.specular = m.specular;
-  s.specular_colour = m.specular_colour;
-  s.ior = m.ior;
-  s.transmission = m.transmission;
-  s.thin_walled = m.thin_walled;
-  s.mirror = m.mirror;
-  s.conductor = m.conductor;
-  return s;
-}
-
 }  // namespace
 
 bool is_specular(const Material& m) {
@@ -54,7 +38,7 @@ SpecularElements find_specular_elements(const Scene& scene, const PatchMesh& ele
 void share_reflectance(const Scene& scene, const SpecularElements& specular, PatchMesh& elements) {
   std::vector<Rgb> share(scene.materials.size());
   for (std::size_t m = 0; m < share.size(); ++m) {
-    share[m] = Bsdf(plain_surface(scene.materials[m]), Frame(), Vec3d(0, 0, 1)).share_of_base();
+    share[m] = Bsdf(surface_material(scene.materials[m]), Frame(), Vec3d(0, 0, 1)).share_of_base();
   }
   for (std::size_t i = 0; i < elements.surface_count(); ++i) {
     if (!specular.specular[i]) continue;

@@ -70,12 +70,9 @@ void make_unlit(SurfaceMaterial& surface) {
 
 }  // namespace
 
-SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point) {
-  const Material& material = scene.materials[point.material];
-  const Vec4f base = base_colour(scene, material, point);
+SurfaceMaterial surface_material(const Material& material) {
   SurfaceMaterial surface;
-  surface.base_colour = Rgb(base);
-  surface.alpha = material.alpha_mode == AlphaMode::blend ? base.w : 1.0F;
+  surface.base_colour = material.base_colour;
   surface.metallic = material.metallic;
   surface.roughness = material.roughness;
   surface.specular = material.specular;
@@ -86,6 +83,15 @@ SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point) 
   surface.mirror = material.mirror;
   surface.conductor = material.conductor;
   surface.emission = material.emission;
+  return surface;
+}
+
+SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point) {
+  const Material& material = scene.materials[point.material];
+  const Vec4f base = base_colour(scene, material, point);
+  SurfaceMaterial surface = surface_material(material);
+  surface.base_colour = Rgb(base);
+  surface.alpha = material.alpha_mode == AlphaMode::blend ? base.w : 1.0F;
   read_factors(scene, material, point, surface);
   if (material.unlit) make_unlit(surface);
   surface.shading = Frame(mapped_normal(scene, material, point));

@@ -27,6 +27,8 @@ struct SurfaceMaterial {
   Frame shading;       ///< with the normal map applied; the normal in the geometric normal's hemisphere
 };
 
+/// The factors of a material without its textures; its shading frame is not set.
+[[nodiscard]] SurfaceMaterial surface_material(const Material& material);
 /// Reads the material and its textures at a point.
 [[nodiscard]] SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point);
 
