@@ -165,7 +165,14 @@ bool ReceivingElements::gather(std::span<const double> sent, const Progress& pro
     }
   };
   if (!visit_factors(method, add, {.report = {}, .stop = progress.stop})) return false;
-  for (std::size_t k = 0; k < power.size(); ++k) received_[k] = power[k] / problem_.areas[k / 3];
+  // No more arrives than was sent, whatever the factors' errors.
+  double arrives = 0, leaves = 0;
+  for (std::size_t k = 0; k < power.size(); ++k) {
+    arrives += power[k];
+    leaves += problem_.areas[k / 3] * sent[k];
+  }
+  const double share = arrives > leaves && arrives > 0 ? leaves / arrives : 1;
+  for (std::size_t k = 0; k < power.size(); ++k) received_[k] = share * power[k] / problem_.areas[k / 3];
   return true;
 }
 

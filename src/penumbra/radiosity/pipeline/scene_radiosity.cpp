@@ -142,13 +142,26 @@ double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& s
   return power;
 }
 
-// Factors are no more exact than their method; faces that lie on one another in part count twice.
+// Factors are no more exact than their method, and faces that lie on one another in part count twice. Where light would
+// grow by it, or rows are far above 1, they are limited.
 void keep_from_making_light(RadiositySetup& setup) {
-  const double excess = limit_row_sums(setup.factors);
+  double excess = 0;
+  bool grows = false;
+  for (std::size_t i = 0; i < setup.factors.rows(); ++i) {
+    const double sum = setup.factors.row_sum(i);
+    excess = std::max(excess, sum - 1);
+    for (std::size_t b = 0; b < 3; ++b) {
+      const double rho = setup.mesh.reflectance[3 * i + b];
+      grows = grows || (rho < 1 && rho * sum >= 1);
+    }
+  }
+  if (!grows && excess < notable_excess) return;
+  (void)limit_row_sums(setup.factors);
   if (excess < notable_excess) return;
   setup.warnings.push_back(fmt::format(
-      "form factors of an element sum to {:.3g}, more than 1: faces that lie on one another count twice, or the "
-      "method is too rough; they were scaled down so that no light is made (penumbra check names such faces)",
+      "form factors of an element sum to {:.3g}, more than 1: faces that lie on one another count twice, or "
+      "the method is too rough; they were lowered so that no light is made (penumbra check names such "
+      "faces)",
       1 + excess));
 }
 
