@@ -335,7 +335,8 @@ SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
     result.absorbed_by_backs = absorbed_by_backs(setup, solution);
     solution.energy.absorbed -= result.absorbed_by_backs;
   }
-  const Escape escape = escape_from_seeing_sides(setup, solution);
+  Escape escape = escape_from_seeing_sides(setup, solution);
+  escape.power -= result.absorbed_by_air;
   const double explained = 2 * escape.by_errors + negligible_leak * solution.energy.emitted;
   if (!solution.partial && escape.power > explained && looks_closed(setup)) result.leak = escape.power;
   return result;
