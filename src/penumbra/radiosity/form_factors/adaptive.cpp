@@ -183,7 +183,7 @@ class AdaptiveMethod final : public FormFactorMethod {
     const double allowed = allowed_error(i, j);
     if (work.sight) return by_order(receiver, source, allowed, work);
     work.obstructed.set_pair(mesh_.polygon(receiver), planes_[receiver], mesh_.polygon(source), planes_[source],
-                             work.blockers, exchange_area(a, b, work.scratch));
+                             work.blockers, unobstructed(a, b, work));
     if (work.obstructed.blocker_count() == 0) return unobstructed(a, b, work);
     return work.obstructed.integrate(allowed, 0, options_.most_cells);
   }

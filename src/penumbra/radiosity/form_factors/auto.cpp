@@ -101,7 +101,7 @@ struct AutoFormFactors::Impl::Worker {
   void visible_pair(std::uint32_t i, std::uint32_t j, bool straddling, const ExchangeEstimate& estimate);
   [[nodiscard]] ExchangeEstimate near_exchange(std::uint32_t i, std::uint32_t j);
   void drop(std::size_t slot_i, std::size_t slot_j, double exchange);
-  void set_obstructed(std::uint32_t i, std::uint32_t j, std::size_t lane, double exchange);
+  void set_obstructed(std::uint32_t i, std::uint32_t j, std::size_t lane);
   void emit(std::uint32_t i, std::uint32_t j, const ExchangeEstimate& e);
 
   const Impl& impl;
@@ -127,17 +127,18 @@ void AutoFormFactors::Impl::Worker::drop(std::size_t slot_i, std::size_t slot_j,
   dropped_columns[slot_j - first_column] += exchange;
 }
 
-void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j, std::size_t lane,
-                                                   double exchange) {
+void AutoFormFactors::Impl::Worker::set_obstructed(std::uint32_t i, std::uint32_t j, std::size_t lane) {
   const PatchMesh& m = impl.mesh;
   // Integrate over the smaller: the other one's factor is exact.
   if (m.areas[j] < m.areas[i] * (1 - 1e-9)) std::swap(i, j);
   const Plane3 plane_i{m.normals[i], dot(m.normals[i], m.centroids[i])};
   const Plane3 plane_j{m.normals[j], dot(m.normals[j], m.centroids[j])};
+  const ExchangeEstimate unobstructed{open.exchange[lane],
+                                      ((open.straddling >> lane) & 1) != 0 ? 1e300 : open.error[lane]};
   if (sight.has_loose(lane))
-    obstructed.set_pair(m.polygon(i), plane_i, m.polygon(j), plane_j, sight.occluders(lane), exchange);
+    obstructed.set_pair(m.polygon(i), plane_i, m.polygon(j), plane_j, sight.occluders(lane), unobstructed);
   else
-    obstructed.set_pair(m.polygon(i), plane_i, m.polygon(j), plane_j, sight.surface(lane), exchange);
+    obstructed.set_pair(m.polygon(i), plane_i, m.polygon(j), plane_j, sight.surface(lane), unobstructed);
 }
 
 /// The closed form: no rule's own error estimate can be trusted where patches touch.
@@ -173,7 +174,7 @@ void AutoFormFactors::Impl::Worker::visible_pair(std::uint32_t i, std::uint32_t 
 void AutoFormFactors::Impl::Worker::partial_pair(std::size_t slot_i, std::size_t slot_j, bool straddling) {
   const std::uint32_t i = impl.clusters.patch[slot_i], j = impl.clusters.patch[slot_j];
   const std::size_t lane = slot_j % PatchClusters::lanes;
-  set_obstructed(i, j, lane, open.exchange[lane]);
+  set_obstructed(i, j, lane);
   if (obstructed.uniform()) {
     if (!obstructed.covered()) visible_pair(i, j, straddling, {open.exchange[lane], open.error[lane]});
     return;

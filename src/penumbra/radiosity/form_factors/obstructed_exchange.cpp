@@ -14,10 +14,13 @@ constexpr std::size_t most_lined = 64;       // edges whose shadow lines are loo
 constexpr std::size_t most_meeting = 32;     // edges whose meetings are looked for
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
 constexpr double loose_tolerance = 0.01;     // relative
+constexpr double open_share = 0.2;           // of the allowed error, that of the exchange without occluders
+constexpr double exact_share = 1e-12;        // error of the closed form as a share of the smaller area
 // Of the exchange without blockers, and of what may be missed: next to nothing is nothing. Where a wall's corners meet
 // those of its neighbours, moved by 1e-8 of their size, a closed room would let that through.
 constexpr double seam_share = 1e-6, seam_tolerance = 0.1;
 constexpr double first_cut_balance = 0.15;
+constexpr double shortest_edge = 1e-10;  // of a polygon's longest: where it was cut at a corner; it has no direction
 constexpr double least_balance = 0.02;  // a shadow line closer than this share to a cell's rim does not split it
 
 /// Legendre polynomials of degree 2 and 3 at the Gauss nodes, orthonormal on [0, 1].
@@ -67,72 +70,100 @@ double quadrature_error(std::span<const double> values, bool kinks) {
   return mean * std::pow(rate, 6);
 }
 
+/// The part of `polygon` in front of a plane, without edges of no length.
+void clip_cleanly(std::span<const Vec3d> polygon, const Plane3& plane, std::vector<Vec3d>& out) {
+  clip_polygon(polygon, plane, 0, out);
+  double longest = 0;
+  for (std::size_t c = 0; c < out.size(); ++c)
+    longest = std::max(longest, length_squared(out[c + 1 == out.size() ? 0 : c + 1] - out[c]));
+  for (std::size_t c = out.size(); c-- > 0;) {
+    const Vec3d& next = out[c + 1 >= out.size() ? 0 : c + 1];
+    if (length_squared(next - out[c]) <= shortest_edge * shortest_edge * longest)
+      out.erase(out.begin() + static_cast<std::ptrdiff_t>(c));
+  }
+}
+
 }  // namespace
 
 /// Whether something of both is left.
 bool ObstructedExchange::clip_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
-                                   std::span<const Vec3d> source, const Plane3& source_plane, double open) {
+                                   std::span<const Vec3d> source, const Plane3& source_plane,
+                                   const ExchangeEstimate& open) {
   receiver_plane_ = receiver_plane;
   open_ = open;
-  open_factor_ = open / polygon_area(receiver);
-  clip_polygon(receiver, source_plane, 0, receiver_);
-  clip_polygon(source, receiver_plane, 0, source_);
+  clip_cleanly(receiver, source_plane, receiver_);
+  clip_cleanly(source, receiver_plane, source_);
   lines_.clear();
   lines_found_ = meeting_lines_found_ = false;
   silhouette_.clear();
   if (receiver_.size() < 3 || source_.size() < 3) return false;
+  open_factor_ = open.exchange / polygon_area(receiver_);
   fragments_.set_source(source_);
   return true;
 }
 
 void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
                                   std::span<const Vec3d> source, const Plane3& source_plane,
-                                  std::span<const std::uint32_t> blockers, double open) {
+                                  std::span<const std::uint32_t> blockers, const ExchangeEstimate& open) {
   if (clip_pair(receiver, receiver_plane, source, source_plane, open))
     silhouette_.build(occluders_, blockers, receiver_, receiver_plane, source_plane);
 }
 
 void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
                                   std::span<const Vec3d> source, const Plane3& source_plane,
-                                  const Silhouette::Surface& surface, double open) {
+                                  const Silhouette::Surface& surface, const ExchangeEstimate& open) {
   if (clip_pair(receiver, receiver_plane, source, source_plane, open))
     silhouette_.build(occluders_, surface, receiver_, receiver_plane, source_, source_plane);
 }
 
-ExchangeEstimate ObstructedExchange::rule_on(std::span<const WeightedPoint> points, bool kinks) {
+/// Replaces what stands in the cell by the rule's sums over `points_`.
+void ObstructedExchange::apply_rule(Cell& cell, bool kinks) {
   const std::size_t count =
-      (points.size() + VisibleFragments::group - 1) / VisibleFragments::group * VisibleFragments::group;
-  for (auto* v : {&x_, &y_, &z_, &factors_})
+      (points_.size() + VisibleFragments::group - 1) / VisibleFragments::group * VisibleFragments::group;
+  for (auto* v : {&x_, &y_, &z_, &seen_, &hidden_})
     if (v->size() < count) v->resize(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const Vec3d& p = points[std::min(k, points.size() - 1)].point;
+    const Vec3d& p = points_[std::min(k, points_.size() - 1)].point;
     x_[k] = p.x;
     y_[k] = p.y;
     z_[k] = p.z;
   }
-  fragments_.evaluate(silhouette_, x_.data(), y_.data(), z_.data(), count, receiver_plane_.normal, factors_.data());
+  fragments_.evaluate(silhouette_, x_.data(), y_.data(), z_.data(), count, receiver_plane_.normal, seen_.data(),
+                      hidden_.data());
+  for (std::size_t k = 0; k < count; ++k) hidden_[k] -= seen_[k];
 
-  ExchangeEstimate e;
   constexpr std::size_t tensor = nodes * nodes;
-  for (std::size_t first = 0; first + tensor <= points.size(); first += tensor) {
-    double area = 0;
-    for (std::size_t k = first; k < first + tensor; ++k) {
-      e.exchange += points[k].weight * factors_[k];
-      area += points[k].weight;
+  const auto sum = [&](const std::vector<double>& values) {
+    ExchangeEstimate e;
+    for (std::size_t first = 0; first + tensor <= points_.size(); first += tensor) {
+      double area = 0;
+      for (std::size_t k = first; k < first + tensor; ++k) {
+        e.exchange += points_[k].weight * values[k];
+        area += points_[k].weight;
+      }
+      double error = quadrature_error(std::span(values).subspan(first, tensor), kinks);
+      if (kinks) error = std::max(error, overlooked_share * open_factor_);
+      e.error += std::abs(area) * error;
     }
-    double error = quadrature_error(std::span(factors_).subspan(first, tensor), kinks);
-    if (kinks) error = std::max(error, overlooked_share * open_factor_);
-    e.error += std::abs(area) * error;
-  }
-  return e;
+    return e;
+  };
+  cell.seen = sum(seen_);
+  cell.hidden = sum(hidden_);
 }
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
-  const ExchangeEstimate e =
-      rule_on(points_, !uniform() && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
-  cell.exchange = e.exchange;
-  cell.error = e.error;
+  apply_rule(cell,
+             !uniform() && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
+}
+
+/// The exchange without occluders, to within `allowed`.
+ExchangeEstimate ObstructedExchange::open_exchange(double allowed) {
+  if (open_.error > allowed) {
+    const double exact = exchange_area(receiver_, source_, scratch_);
+    open_ = {exact, exact_share * std::min(polygon_area(receiver_), polygon_area(source_))};
+  }
+  return open_;
 }
 
 ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, std::size_t max_cells) {
@@ -149,16 +180,24 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
       count = 2;
     }
   }
-  double error = 0, exchange = 0;
+  ExchangeEstimate seen, hidden;
   for (std::size_t k = 0; k < count; ++k) {
     evaluate(cells_[k]);
-    error += cells_[k].error;
-    exchange += cells_[k].exchange;
+    seen += cells_[k].seen;
+    hidden += cells_[k].hidden;
   }
+  // What is hidden is integrated where that is smoother: of patches that touch the open exchange has a closed form.
+  const bool from_open = hidden.error < seen.error;
+  if (from_open) seen = open_exchange(open_share * (allowed + relative * seen.exchange));
+  const auto part = [from_open](Cell& cell) -> ExchangeEstimate& { return from_open ? cell.hidden : cell.seen; };
+  ExchangeEstimate sum = from_open ? hidden : seen;
+  const auto total = [&] {
+    return from_open ? ExchangeEstimate{std::max(0.0, open_.exchange - sum.exchange), open_.error + sum.error} : sum;
+  };
   // A heap with the worst cell on top.
-  const auto better = [](const Cell& a, const Cell& b) { return a.error < b.error; };
+  const auto better = [&](Cell& a, Cell& b) { return part(a).error < part(b).error; };
   std::make_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
-  while (error > allowed + relative * exchange && count < max_cells) {
+  while (total().error > allowed + relative * total().exchange && count < max_cells) {
     std::pop_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
     if (cells_.size() < count + 2) cells_.resize(count + 2);
     Cell& worst = cells_[count - 1];
@@ -167,24 +206,24 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
     if (!split(worst, left, right)) break;
     evaluate(left);
     evaluate(right);
-    error += left.error + right.error - worst.error;
-    exchange += left.exchange + right.exchange - worst.exchange;
+    sum += part(left);
+    sum += part(right);
+    sum -= part(worst);
     std::swap(worst, left);
     std::swap(left, right);
     std::push_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
     ++count;
     std::push_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
   }
-  ExchangeEstimate sum;
-  for (std::size_t k = 0; k < count; ++k) {
-    sum.exchange += cells_[k].exchange;
-    sum.error += cells_[k].error;
+  sum = {};
+  for (std::size_t k = 0; k < count; ++k) sum += part(cells_[k]);
+  ExchangeEstimate result = total();
+  if (!uniform() && result.exchange <= std::min(seam_share * open_.exchange,
+                                                seam_tolerance * (allowed + relative * open_.exchange))) {
+    result.error += result.exchange;
+    result.exchange = 0;
   }
-  if (!uniform() && sum.exchange <= std::min(seam_share * open_, seam_tolerance * (allowed + relative * open_))) {
-    sum.error += sum.exchange;
-    sum.exchange = 0;
-  }
-  return sum;
+  return result;
 }
 
 /// Whether the plane through `point` with this normal (not unit) has corners of the receiver on both sides.

@@ -7,6 +7,7 @@
 
 #include "penumbra/math/polygon.h"
 #include "penumbra/math/quadrature.h"
+#include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/occluder_polygons.h"
 #include "penumbra/radiosity/form_factors/silhouette.h"
 #include "penumbra/radiosity/form_factors/visible_fragments.h"
@@ -17,12 +18,24 @@ namespace penumbra {
 struct ExchangeEstimate {
   double exchange = 0;
   double error = 0;
+
+  ExchangeEstimate& operator+=(const ExchangeEstimate& other) {
+    exchange += other.exchange;
+    error += other.error;
+    return *this;
+  }
+  ExchangeEstimate& operator-=(const ExchangeEstimate& other) {
+    exchange -= other.exchange;
+    error -= other.error;
+    return *this;
+  }
 };
 
 /// The exchange of two polygons that see each other in part.
 ///
 /// The exact form factor from a point to the visible fragments of one polygon is integrated over the other by 4 x 4
-/// Gauss points. Where the estimated error is too large the polygon is cut along a shadow line (the trace of a plane
+/// Gauss points, or that to its hidden part, which is taken from the exchange without occluders, where the estimate says
+/// that this is the smoother of the two. Where the estimated error is too large the polygon is cut along a shadow line (the trace of a plane
 /// through a corner of the source and an edge of the occluders' silhouette, or an edge of the source and an end of
 /// one): between those lines the integrand is smooth and Gauss converges fast; it has kinks across them. Where no
 /// shadow line is left it is halved. The worst piece goes first (Walton, NISTIR 6925, 2002, halves without looking for
@@ -35,14 +48,16 @@ class ObstructedExchange {
 
   /// Prepares a pair: each polygon is clipped to the front of the other's plane, the blockers to the front of both.
   /// @param receiver the polygon to integrate over; @param blockers numbers of occluders, others do not matter.
-  /// @param open about the exchange without them, m^2: a scale for what Gauss points may overlook, and for what may
-  /// come through a seam between blockers.
+  /// @param open an estimate of the exchange without them: what is hidden is taken from it when its error is small
+  /// enough (else from the closed form), and it is a scale for what Gauss points may overlook, and for what may come
+  /// through a seam between blockers.
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
-                const Plane3& source_plane, std::span<const std::uint32_t> blockers, double open = 0);
+                const Plane3& source_plane, std::span<const std::uint32_t> blockers,
+                const ExchangeEstimate& open);
 
   /// The same with a surface in between.
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
-                const Plane3& source_plane, const Silhouette::Surface& surface, double open);
+                const Plane3& source_plane, const Silhouette::Surface& surface, const ExchangeEstimate& open);
 
   /// Whether what stands between hides the same from all points: nothing, or when covered() all.
   [[nodiscard]] bool uniform() const { return silhouette_.edges().empty(); }
@@ -58,7 +73,7 @@ class ObstructedExchange {
  private:
   struct Cell {
     std::vector<Vec3d> polygon;
-    double exchange = 0, error = 0;
+    ExchangeEstimate seen, hidden;
   };
   struct ShadowLine {
     Plane3 plane;         // its trace on the receiver is the line
@@ -68,11 +83,12 @@ class ObstructedExchange {
   };
 
   [[nodiscard]] bool clip_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
-                               std::span<const Vec3d> source, const Plane3& source_plane, double open);
+                               std::span<const Vec3d> source, const Plane3& source_plane, const ExchangeEstimate& open);
   void find_shadow_lines();
   [[nodiscard]] bool cuts_receiver(const Vec3d& normal, const Vec3d& point) const;
   void evaluate(Cell& cell);
-  [[nodiscard]] ExchangeEstimate rule_on(std::span<const WeightedPoint> points, bool kinks);
+  void apply_rule(Cell& cell, bool kinks);
+  ExchangeEstimate open_exchange(double allowed);
   void find_meeting_lines();
   [[nodiscard]] const ShadowLine* best_line(std::span<const ShadowLine> lines, std::span<const Vec3d> cell,
                                             double least) const;
@@ -82,14 +98,16 @@ class ObstructedExchange {
   const OccluderPolygons& occluders_;
   VisibleFragments fragments_;
   Plane3 receiver_plane_;
-  double open_ = 0, open_factor_ = 0;
+  ExchangeEstimate open_;
+  double open_factor_ = 0;
+  ExchangeAreaScratch scratch_;
   std::vector<Vec3d> receiver_, source_;
   Silhouette silhouette_;
   std::vector<ShadowLine> lines_;          // where the silhouette meets the source's outline
   std::vector<ShadowLine> meeting_lines_;  // where two of its edges meet before the source
   bool lines_found_ = false, meeting_lines_found_ = false;
   std::vector<WeightedPoint> points_;
-  std::vector<double> x_, y_, z_, factors_;
+  std::vector<double> x_, y_, z_, seen_, hidden_;
   std::vector<Cell> cells_;
 };
 

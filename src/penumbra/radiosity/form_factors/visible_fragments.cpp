@@ -191,14 +191,17 @@ class View {
     crossings_.changes = take(ne_);
   }
 
-  HWY_INLINE V factor() {
+  /// @param open receives the factor without occluders.
+  HWY_INLINE V factor(V& open) {
     look();
     const V covering = in_.reference ? covering_since_reference() : covering_first_corner();
-    V open = hn::Zero(D());
+    open = hn::Zero(D());
     V sum = source_edges(covering, open);
     for (std::size_t n = 0; n < before_count_; ++n) sum = hn::Sub(sum, silhouette_edge(before_source_[n], covering));
+    const V scale = set(0.15915494309189533577);
+    open = hn::Max(hn::Zero(D()), hn::Mul(open, scale));
     // No more than without occluders: of slivers at the horizon winding numbers may lose count.
-    return hn::Max(hn::Zero(D()), hn::Mul(hn::Min(sum, open), set(0.15915494309189533577)));
+    return hn::Max(hn::Zero(D()), hn::Min(hn::Mul(sum, scale), open));
   }
 
  private:
@@ -385,11 +388,14 @@ class View {
 };
 
 void evaluate_points(const VisibleFragments::Input& in, const double* x, const double* y, const double* z,
-                     std::size_t count, const Vec3d& normal, double* scratch, std::uint32_t* before, double* out) {
+                     std::size_t count, const Vec3d& normal, double* scratch, std::uint32_t* before, double* factors,
+                     double* open_factors) {
   const D d;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     View view(in, {hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i)}, normal, scratch, before);
-    hn::StoreU(view.factor(), d, out + i);
+    V open;
+    hn::StoreU(view.factor(open), d, factors + i);
+    hn::StoreU(open, d, open_factors + i);
   }
 }
 
@@ -403,7 +409,7 @@ HWY_EXPORT(evaluate_points);
 HWY_EXPORT(scratch_size);
 
 void VisibleFragments::evaluate(const Silhouette& silhouette, const double* x, const double* y, const double* z,
-                                std::size_t count, const Vec3d& normal, double* factors) {
+                                std::size_t count, const Vec3d& normal, double* factors, double* open_factors) {
   assert(count % group == 0);
   assert(source_.size() >= 3);
   const std::size_t size = HWY_DYNAMIC_DISPATCH(scratch_size)(source_.size(), silhouette.vertices().size(),
@@ -417,7 +423,7 @@ void VisibleFragments::evaluate(const Silhouette& silhouette, const double* x, c
   HWY_DYNAMIC_DISPATCH(evaluate_points)
   ({source_, highest, silhouette.vertices(), silhouette.edges(), silhouette.turning(), silhouette.planes(),
     silhouette.reference()},
-   x, y, z, count, normal, scratch_.data(), before_.data(), factors);
+   x, y, z, count, normal, scratch_.data(), before_.data(), factors, open_factors);
 }
 
 }  // namespace penumbra

@@ -29,9 +29,10 @@ class VisibleFragments {
 
   /// @param silhouette of what is in front of the points' horizon and of the source's plane.
   /// @param x, y, z the points, all in front of the source's plane; `count` is a multiple of `group`.
-  /// @param normal unit, of the element at each point. @param factors receives the form factors (0..1).
+  /// @param normal unit, of the element at each point. @param factors receives the form factors (0..1),
+  /// @param open_factors those without the silhouette.
   void evaluate(const Silhouette& silhouette, const double* x, const double* y, const double* z, std::size_t count,
-                const Vec3d& normal, double* factors);
+                const Vec3d& normal, double* factors, double* open_factors);
 
   /// How the kernel sees its input.
   struct Input {
