@@ -83,6 +83,17 @@ void clip_cleanly(std::span<const Vec3d> polygon, const Plane3& plane, std::vect
   }
 }
 
+/// Whether a polygon has corners on both sides of a plane.
+bool is_cut(std::span<const Vec3d> polygon, const Plane3& plane) {
+  bool front = false, back = false;
+  for (const Vec3d& v : polygon) {
+    const double d = plane.distance(v);
+    front |= d > 0;
+    back |= d < 0;
+  }
+  return front && back;
+}
+
 }  // namespace
 
 /// Whether something of both is left.
@@ -106,7 +117,7 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
                                   std::span<const Vec3d> source, const Plane3& source_plane,
                                   std::span<const std::uint32_t> blockers, const ExchangeEstimate& open) {
   if (clip_pair(receiver, receiver_plane, source, source_plane, open))
-    silhouette_.build(occluders_, blockers, receiver_, receiver_plane, source_plane);
+    silhouette_.build(occluders_, blockers, receiver_, receiver_plane, source_, source_plane);
 }
 
 void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
@@ -226,30 +237,23 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   return result;
 }
 
-/// Whether the plane through `point` with this normal (not unit) has corners of the receiver on both sides.
-bool ObstructedExchange::cuts_receiver(const Vec3d& normal, const Vec3d& point) const {
-  bool front = false, back = false;
-  for (const Vec3d& v : receiver_) {
-    const double d = dot(normal, v - point);
-    front |= d > 0;
-    back |= d < 0;
-  }
-  return front && back;
-}
-
 void ObstructedExchange::find_shadow_lines() {
   lines_found_ = true;
   lines_.clear();
   const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
-    if (!cuts_receiver(across, pole)) return;
     const double size = length(across);
     if (!(size > 1e-14 * length(from - pole) * length(to - pole))) return;
     const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
-    if (matters(line, receiver_)) lines_.push_back(line);
+    if (is_cut(receiver_, line.plane) && matters(line, receiver_)) lines_.push_back(line);
   };
-  for (const Plane3& turning : silhouette_.planes())
-    if (cuts_receiver(turning.normal, turning.offset * turning.normal)) lines_.push_back({turning, {}, {}, {}, false});
+  // An occluder's plane, from which it is seen edge on, across the source.
+  turning_.assign(silhouette_.planes().size(), false);
+  for (const Silhouette::Turning& t : silhouette_.turning()) turning_[t.plane] = true;
+  for (std::size_t k = 0; k < turning_.size(); ++k) {
+    const Plane3& plane = silhouette_.planes()[k];
+    if (turning_[k] && is_cut(receiver_, plane) && is_cut(source_, plane)) lines_.push_back({plane, {}, {}, {}, false});
+  }
   if (silhouette_.edges().size() > most_lined) return;
   const auto vertices = silhouette_.vertices();
   for (std::size_t a = 0; a < source_.size(); ++a) {
@@ -273,9 +277,9 @@ void ObstructedExchange::find_meeting_lines() {
   const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
     const double size = length(across);
-    if (!(size > 1e-6 * length(from - pole) * length(to - pole)) || !cuts_receiver(across, pole)) return;
+    if (!(size > 1e-6 * length(from - pole) * length(to - pole))) return;
     const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
-    if (!matters(line, receiver_)) return;
+    if (!is_cut(receiver_, line.plane) || !matters(line, receiver_)) return;
     bool seen = false;
     for (std::size_t c = 0; c < receiver_.size() && !seen; ++c) {
       const Vec3d& p = receiver_[c];

@@ -85,7 +85,6 @@ class ObstructedExchange {
   [[nodiscard]] bool clip_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
                                std::span<const Vec3d> source, const Plane3& source_plane, const ExchangeEstimate& open);
   void find_shadow_lines();
-  [[nodiscard]] bool cuts_receiver(const Vec3d& normal, const Vec3d& point) const;
   void evaluate(Cell& cell);
   void apply_rule(Cell& cell, bool kinks);
   ExchangeEstimate open_exchange(double allowed);
@@ -105,6 +104,7 @@ class ObstructedExchange {
   Silhouette silhouette_;
   std::vector<ShadowLine> lines_;          // where the silhouette meets the source's outline
   std::vector<ShadowLine> meeting_lines_;  // where two of its edges meet before the source
+  std::vector<bool> turning_;              // per plane of the silhouette: an edge asks for it
   bool lines_found_ = false, meeting_lines_found_ = false;
   std::vector<WeightedPoint> points_;
   std::vector<double> x_, y_, z_, seen_, hidden_;

@@ -313,11 +313,69 @@ void Silhouette::finish() {
   drop_inner_edges();
 }
 
+void Silhouette::find_sides_of_reference() {
+  for (Edge& e : edges_) e.left_of = side_of(vertices_[e.from], vertices_[e.to], reference_.from, reference_.to) > 0;
+}
+
+/// How many polygons cover the reference line when the contours close: the winding number of the steps about it, from
+/// their crossings with the half-plane from `up` through it (Sunday 2001).
+double Silhouette::winding_number(const Vec3d& up) const {
+  const Vec3d across = cross(reference_.to - reference_.from, up);
+  double covering = 0;
+  for (const Edge& e : edges_) {
+    const bool from = dot(across, vertices_[e.from] - reference_.from) > 0;
+    const bool to = dot(across, vertices_[e.to] - reference_.from) > 0;
+    if (from == to || e.left_of != to) continue;
+    double step = e.step;
+    for (std::uint32_t t = e.first; t < e.last; ++t)
+      step += planes_[turning_[t].plane].distance(reference_.from) < 0 ? -turning_[t].direction : turning_[t].direction;
+    covering += to ? step : -step;
+  }
+  return covering;
+}
+
+/// Drops the edges that no line from the receiver to the source passes: those that all points of one of the two see
+/// outside the same side of the other. The test function is linear in the point, so that corners decide.
+void Silhouette::drop_edges_aside(std::span<const Vec3d> receiver, std::span<const Vec3d> source) {
+  if (edges_.empty()) return;
+  aside_.assign(vertices_.size(), 0);
+  std::uint64_t bit = 1;
+  const auto look = [&](std::span<const Vec3d> from, std::span<const Vec3d> to, double least) {
+    for (std::size_t c = 0; c < to.size() && bit != 0; ++c, bit <<= 1) {
+      const Vec3d& corner = to[c];
+      const Vec3d side = to[c + 1 == to.size() ? 0 : c + 1] - corner;
+      for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        const Vec3d plane = cross(side, vertices_[v] - corner);
+        if (std::all_of(from.begin(), from.end(), [&](const Vec3d& p) { return dot(plane, p - corner) < -least; }))
+          aside_[v] |= bit;
+      }
+    }
+  };
+  look(receiver, source, 0);
+  // Vertices that touch the source may be a hair behind it, where lines end that do pass their edges.
+  const double reach = polygon_size(receiver) + polygon_size(source) + length(reference_.to - reference_.from);
+  look(source, receiver, 8 * slack_ * reach * reach);
+  bool dropped = false;
+  for (Edge& e : edges_) {
+    if ((aside_[e.from] & aside_[e.to]) == 0) continue;
+    e.step = 0;
+    e.first = e.last;
+    dropped = true;
+  }
+  if (dropped) drop_inner_edges();
+}
+
 void Silhouette::build(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
-                       std::span<const Vec3d> receiver, const Plane3& receiver_plane, const Plane3& source_plane) {
+                       std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
+                       const Plane3& source_plane) {
   start(occluders, blockers);
+  has_reference_ = true;
+  reference_ = {odd_point(receiver), odd_point(source), 0};
   add_blockers(occluders, blockers, receiver, {receiver_plane.normal, receiver_plane.offset + slack_}, source_plane);
   finish();
+  find_sides_of_reference();
+  reference_.covering = winding_number(receiver_plane.normal);
+  drop_edges_aside(receiver, source);
 }
 
 void Silhouette::build(const OccluderPolygons& occluders, const Surface& surface, std::span<const Vec3d> receiver,
@@ -329,7 +387,8 @@ void Silhouette::build(const OccluderPolygons& occluders, const Surface& surface
   for (std::uint32_t k : surface.polygons) count_covering(occluders, k);
   for (const Rim& rim : surface.rims) add_rim(occluders, rim, receiver, horizon, source_plane);
   finish();
-  for (Edge& e : edges_) e.left_of = side_of(vertices_[e.from], vertices_[e.to], reference_.from, reference_.to) > 0;
+  find_sides_of_reference();
+  drop_edges_aside(receiver, source);
 }
 
 /// Forgets what was, and takes the slack from all that is to come. The horizon is a hair higher: no edge lies on one of

@@ -22,9 +22,9 @@ namespace penumbra {
 /// Inside a surface, where neighbours show the same side, steps vanish and so do the edges: what is left is the
 /// silhouette, and the number of polygons that cover a direction is the winding number of its steps.
 ///
-/// Edges that no line from the receiver to the source passes do not matter, and without them the contours need not
-/// close: then how many polygons cover a direction is counted once, on one *reference* line, and known for another by
-/// the edges that are passed on the way from one line to the other.
+/// Edges that no line from the receiver to the source passes do not matter and are dropped. Without them the contours
+/// need not close: how many polygons cover a direction is counted once, on one *reference* line, and known for another
+/// by the edges that are passed on the way from one line to the other.
 ///
 /// One object a thread: build() keeps scratch memory.
 class Silhouette {
@@ -60,7 +60,8 @@ class Silhouette {
   /// The parts of some occluders that are in front of both planes.
   /// @param receiver its points' corners.
   void build(const OccluderPolygons& occluders, std::span<const std::uint32_t> blockers,
-             std::span<const Vec3d> receiver, const Plane3& receiver_plane, const Plane3& source_plane);
+             std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
+             const Plane3& source_plane);
   /// A surface.
   void build(const OccluderPolygons& occluders, const Surface& surface, std::span<const Vec3d> receiver,
              const Plane3& receiver_plane, std::span<const Vec3d> source, const Plane3& source_plane);
@@ -106,6 +107,9 @@ class Silhouette {
   void add_side(std::uint32_t edge, double direction, const Plane3& plane, double sign, bool turns, double slack);
   void count_covering(const OccluderPolygons& occluders, std::uint32_t k);
   void finish();
+  void find_sides_of_reference();
+  [[nodiscard]] double winding_number(const Vec3d& up) const;
+  void drop_edges_aside(std::span<const Vec3d> receiver, std::span<const Vec3d> source);
   std::uint32_t vertex(const OccluderPolygons& occluders, std::uint32_t v, const Plane3& horizon, const Plane3& source,
                        double slack);
   void clip(int plane);
@@ -132,6 +136,7 @@ class Silhouette {
   std::vector<Meeting> meeting_;
   std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>> by_ends_;  // ends, edge
   std::vector<std::uint32_t> used_;
+  std::vector<std::uint64_t> aside_;  // per vertex: the sides of source and receiver outside of which it is
   std::vector<Vec3d> moved_;
   Memory vertex_of_, edge_of_;
   std::array<Memory, 2> cut_of_;
