@@ -10,6 +10,9 @@ namespace {
 constexpr int nodes = 4;
 constexpr double kink_share = 0.2;
 constexpr double overlooked_share = 3e-3;    // a strip up to the first node (0.069), where the view opens linearly
+constexpr double overlooked_strip = 0.1;     // of a narrower strip's width: there it may open at once
+constexpr double first_node = 0.05;          // a line closer to the rim than about this is not seen by the nodes
+constexpr double touching = 1e-6;            // of a cell's size
 constexpr std::size_t most_lined = 64;       // edges whose shadow lines are looked for
 constexpr std::size_t most_meeting = 32;     // edges whose meetings are looked for
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
@@ -21,7 +24,7 @@ constexpr double exact_share = 1e-12;        // error of the closed form as a sh
 constexpr double seam_share = 1e-6, seam_tolerance = 0.1;
 constexpr double first_cut_balance = 0.15;
 constexpr double shortest_edge = 1e-10;  // of a polygon's longest: where it was cut at a corner; it has no direction
-constexpr double least_balance = 0.02;  // a shadow line closer than this share to a cell's rim does not split it
+constexpr double least_balance = 1e-3;       // a shadow line closer than this share to a cell's rim does not split it
 
 /// Legendre polynomials of degree 2 and 3 at the Gauss nodes, orthonormal on [0, 1].
 struct HighModes {
@@ -83,6 +86,19 @@ void clip_cleanly(std::span<const Vec3d> polygon, const Plane3& plane, std::vect
   }
 }
 
+/// Whether a segment in the plane of a convex polygon passes through it.
+bool meets_segment(std::span<const Vec3d> polygon, const Vec3d& normal, const Vec3d& p, const Vec3d& q) {
+  double from = 0, to = 1;
+  for (std::size_t c = 0; c < polygon.size(); ++c) {
+    const Vec3d inwards = cross(normal, polygon[c + 1 == polygon.size() ? 0 : c + 1] - polygon[c]);
+    const double dp = dot(inwards, p - polygon[c]), dq = dot(inwards, q - polygon[c]);
+    if (dp < 0 && dq < 0) return false;
+    if (dp < 0) from = std::max(from, dp / (dp - dq));
+    if (dq < 0) to = std::min(to, dp / (dp - dq));
+  }
+  return from <= to;
+}
+
 /// Whether a polygon has corners on both sides of a plane.
 bool is_cut(std::span<const Vec3d> polygon, const Plane3& plane) {
   bool front = false, back = false;
@@ -105,7 +121,7 @@ bool ObstructedExchange::clip_pair(std::span<const Vec3d> receiver, const Plane3
   clip_cleanly(receiver, source_plane, receiver_);
   clip_cleanly(source, receiver_plane, source_);
   lines_.clear();
-  lines_found_ = meeting_lines_found_ = false;
+  lines_found_ = false;
   silhouette_.clear();
   if (receiver_.size() < 3 || source_.size() < 3) return false;
   open_factor_ = open.exchange / polygon_area(receiver_);
@@ -127,8 +143,9 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
     silhouette_.build(occluders_, surface, receiver_, receiver_plane, source_, source_plane);
 }
 
-/// Replaces what stands in the cell by the rule's sums over `points_`.
-void ObstructedExchange::apply_rule(Cell& cell, bool kinks) {
+/// Replaces what stands in the cell by the rule's sums over `points_`. `kink` is how far from its rim it may have one,
+/// as a share of its width.
+void ObstructedExchange::apply_rule(Cell& cell, double kink) {
   const std::size_t count =
       (points_.size() + VisibleFragments::group - 1) / VisibleFragments::group * VisibleFragments::group;
   for (auto* v : {&x_, &y_, &z_, &seen_, &hidden_})
@@ -144,6 +161,7 @@ void ObstructedExchange::apply_rule(Cell& cell, bool kinks) {
   for (std::size_t k = 0; k < count; ++k) hidden_[k] -= seen_[k];
 
   constexpr std::size_t tensor = nodes * nodes;
+  const double overlooked = std::min(overlooked_share, overlooked_strip * kink) * open_factor_;
   const auto sum = [&](const std::vector<double>& values) {
     ExchangeEstimate e;
     for (std::size_t first = 0; first + tensor <= points_.size(); first += tensor) {
@@ -152,9 +170,8 @@ void ObstructedExchange::apply_rule(Cell& cell, bool kinks) {
         e.exchange += points_[k].weight * values[k];
         area += points_[k].weight;
       }
-      double error = quadrature_error(std::span(values).subspan(first, tensor), kinks);
-      if (kinks) error = std::max(error, overlooked_share * open_factor_);
-      e.error += std::abs(area) * error;
+      const double error = quadrature_error(std::span(values).subspan(first, tensor), kink > first_node);
+      e.error += std::abs(area) * std::max(error, overlooked);
     }
     return e;
   };
@@ -164,8 +181,9 @@ void ObstructedExchange::apply_rule(Cell& cell, bool kinks) {
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
-  apply_rule(cell,
-             !uniform() && (!lines_found_ || best_line(lines_, cell.polygon, negligible_balance) != nullptr));
+  double kink = 0;
+  if (!uniform()) kink = !lines_found_ || touches_pole(cell.polygon) ? 1 : best_cut(cell.polygon).balance;
+  apply_rule(cell, kink > negligible_balance ? kink : 0);
 }
 
 /// The exchange without occluders, to within `allowed`.
@@ -185,30 +203,36 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
   if (!uniform() && relative < loose_tolerance && max_cells > 1) {
     find_shadow_lines();
-    if (best_line(lines_, receiver_, first_cut_balance) != nullptr && split(cells_[0], cells_[1], cells_[2])) {
+    if (best_cut(receiver_).balance > first_cut_balance && split(cells_[0], cells_[1], cells_[2])) {
       std::swap(cells_[0], cells_[1]);
       std::swap(cells_[1], cells_[2]);
       count = 2;
     }
   }
-  ExchangeEstimate seen, hidden;
+  Total seen, hidden;
   for (std::size_t k = 0; k < count; ++k) {
     evaluate(cells_[k]);
-    seen += cells_[k].seen;
-    hidden += cells_[k].hidden;
+    seen.add(cells_[k].seen);
+    hidden.add(cells_[k].hidden);
   }
   // What is hidden is integrated where that is smoother: of patches that touch the open exchange has a closed form.
-  const bool from_open = hidden.error < seen.error;
-  if (from_open) seen = open_exchange(open_share * (allowed + relative * seen.exchange));
+  const bool from_open = hidden.variance < seen.variance;
+  if (from_open) open_exchange(open_share * (allowed + relative * seen.exchange));
   const auto part = [from_open](Cell& cell) -> ExchangeEstimate& { return from_open ? cell.hidden : cell.seen; };
-  ExchangeEstimate sum = from_open ? hidden : seen;
+  Total sum = from_open ? hidden : seen;
   const auto total = [&] {
-    return from_open ? ExchangeEstimate{std::max(0.0, open_.exchange - sum.exchange), open_.error + sum.error} : sum;
+    const double error = std::sqrt(std::max(0.0, sum.variance));
+    return from_open ? ExchangeEstimate{std::max(0.0, open_.exchange - sum.exchange), open_.error + error}
+                     : ExchangeEstimate{sum.exchange, error};
+  };
+  const auto is_enough = [&] {
+    const ExchangeEstimate e = total();
+    return e.error <= allowed + relative * e.exchange;
   };
   // A heap with the worst cell on top.
   const auto better = [&](Cell& a, Cell& b) { return part(a).error < part(b).error; };
   std::make_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
-  while (total().error > allowed + relative * total().exchange && count < max_cells) {
+  while (!is_enough() && count < max_cells) {
     std::pop_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
     if (cells_.size() < count + 2) cells_.resize(count + 2);
     Cell& worst = cells_[count - 1];
@@ -217,9 +241,9 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
     if (!split(worst, left, right)) break;
     evaluate(left);
     evaluate(right);
-    sum += part(left);
-    sum += part(right);
-    sum -= part(worst);
+    sum.add(part(left));
+    sum.add(part(right));
+    sum.remove(part(worst));
     std::swap(worst, left);
     std::swap(left, right);
     std::push_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
@@ -227,7 +251,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
     std::push_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
   }
   sum = {};
-  for (std::size_t k = 0; k < count; ++k) sum += part(cells_[k]);
+  for (std::size_t k = 0; k < count; ++k) sum.add(part(cells_[k]));
   ExchangeEstimate result = total();
   if (!uniform() && result.exchange <= std::min(seam_share * open_.exchange,
                                                 seam_tolerance * (allowed + relative * open_.exchange))) {
@@ -240,6 +264,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
 void ObstructedExchange::find_shadow_lines() {
   lines_found_ = true;
   lines_.clear();
+  find_poles();
   const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
     const double size = length(across);
@@ -254,6 +279,7 @@ void ObstructedExchange::find_shadow_lines() {
     const Plane3& plane = silhouette_.planes()[k];
     if (turning_[k] && is_cut(receiver_, plane) && is_cut(source_, plane)) lines_.push_back({plane, {}, {}, {}, false});
   }
+  if (silhouette_.edges().size() <= most_meeting) find_meeting_lines();
   if (silhouette_.edges().size() > most_lined) return;
   const auto vertices = silhouette_.vertices();
   for (std::size_t a = 0; a < source_.size(); ++a) {
@@ -264,15 +290,34 @@ void ObstructedExchange::find_shadow_lines() {
   }
 }
 
-/// Lines on which a corner of the silhouette covers one of its edges, both before the source: there a gap between two
-/// occluders opens or closes.
+/// Corners of the silhouette that stand on the receiver's plane: what is seen from beside one depends on the side.
+void ObstructedExchange::find_poles() {
+  poles_.clear();
+  const double least = touching * polygon_size(receiver_);
+  for (const Vec3d& v : silhouette_.vertices())
+    if (receiver_plane_.distance(v) <= least) poles_.push_back(v);
+}
+
+bool ObstructedExchange::touches_pole(std::span<const Vec3d> cell) const {
+  return std::any_of(poles_.begin(), poles_.end(), [&](const Vec3d& pole) {
+    for (std::size_t c = 0; c < cell.size(); ++c) {
+      const Vec3d edge = cell[c + 1 == cell.size() ? 0 : c + 1] - cell[c];
+      const double outside = dot(cross(edge, pole - cell[c]), receiver_plane_.normal);
+      if (outside < -touching * length_squared(edge)) return false;
+    }
+    return true;
+  });
+}
+
+/// Adds the lines on which a corner of the silhouette covers one of its edges, both before the source: there a gap
+/// between two occluders opens or closes.
 void ObstructedExchange::find_meeting_lines() {
-  meeting_lines_found_ = true;
-  meeting_lines_.clear();
   const Plane3 target = polygon_plane(source_);
-  const auto before_source = [&](const Vec3d& x, const Vec3d& pole) {
-    const double dx = target.distance(x), dp = target.distance(pole);
-    return dx > dp && convex_contains(source_, x + dx / (dx - dp) * (pole - x));
+  // While the eye moves from x to y in the line's plane, the corner covers a segment on the source's plane.
+  const auto passes_source = [&](const Vec3d& x, const Vec3d& y, const Vec3d& pole) {
+    const double dx = target.distance(x), dy = target.distance(y), dp = target.distance(pole);
+    if (dx <= dp || dy <= dp) return dx > dp || dy > dp;
+    return meets_segment(source_, target.normal, x + dx / (dx - dp) * (pole - x), y + dy / (dy - dp) * (pole - y));
   };
   const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
@@ -280,14 +325,15 @@ void ObstructedExchange::find_meeting_lines() {
     if (!(size > 1e-6 * length(from - pole) * length(to - pole))) return;
     const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
     if (!is_cut(receiver_, line.plane) || !matters(line, receiver_)) return;
-    bool seen = false;
-    for (std::size_t c = 0; c < receiver_.size() && !seen; ++c) {
+    std::array<Vec3d, 2> ends{};
+    std::size_t found = 0;
+    for (std::size_t c = 0; c < receiver_.size() && found < 2; ++c) {
       const Vec3d& p = receiver_[c];
       const Vec3d& q = receiver_[c + 1 == receiver_.size() ? 0 : c + 1];
       const double dp = line.plane.distance(p), dq = line.plane.distance(q);
-      seen = (dp < 0) != (dq < 0) && before_source(p + dp / (dp - dq) * (q - p), pole);
+      if ((dp < 0) != (dq < 0)) ends[found++] = p + dp / (dp - dq) * (q - p);
     }
-    if (seen) meeting_lines_.push_back(line);
+    if (found == 2 && passes_source(ends[0], ends[1], pole)) lines_.push_back(line);
   };
   const auto vertices = silhouette_.vertices();
   for (std::uint32_t v = 0; v < vertices.size(); ++v)
@@ -319,12 +365,10 @@ bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> 
   return ahead && astern ? least >= 0 || most <= 1 : least <= 1 && most >= 0;
 }
 
-/// The shadow line that cuts the cell most evenly and matters in it; nullptr when each leaves less than `least` of it
-/// on one side.
-const ObstructedExchange::ShadowLine* ObstructedExchange::best_line(std::span<const ShadowLine> lines,
-                                                                    std::span<const Vec3d> cell, double least) const {
-  const ShadowLine* best = nullptr;
-  for (const ShadowLine& line : lines) {
+/// The shadow line that cuts the cell most evenly of those that matter in it, and the share of it on the smaller side.
+ObstructedExchange::Cut ObstructedExchange::best_cut(std::span<const Vec3d> cell) const {
+  Cut best;
+  for (const ShadowLine& line : lines_) {
     double front = 0, back = 0;
     for (const Vec3d& v : cell) {
       const double d = line.plane.distance(v);
@@ -332,24 +376,17 @@ const ObstructedExchange::ShadowLine* ObstructedExchange::best_line(std::span<co
       back = std::max(back, -d);
     }
     const double balance = std::min(front, back) / (front + back);
-    if (balance > least && matters(line, cell)) {
-      least = balance;
-      best = &line;
-    }
+    if (balance > best.balance && matters(line, cell)) best = {&line, balance};
   }
   return best;
 }
 
 bool ObstructedExchange::split(const Cell& cell, Cell& left, Cell& right) {
   if (!lines_found_) find_shadow_lines();
-  const ShadowLine* best = best_line(lines_, cell.polygon, least_balance);
-  if (!best && silhouette_.edges().size() <= most_meeting) {
-    if (!meeting_lines_found_) find_meeting_lines();
-    best = best_line(meeting_lines_, cell.polygon, least_balance);
-  }
+  const Cut best = best_cut(cell.polygon);
   Plane3 cut;
-  if (best) {
-    cut = best->plane;
+  if (best.balance > least_balance) {
+    cut = best.line->plane;
   } else {  // across the longest edge, through the middle
     std::size_t longest = 0;
     double most = -1;

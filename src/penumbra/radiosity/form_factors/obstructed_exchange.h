@@ -18,17 +18,6 @@ namespace penumbra {
 struct ExchangeEstimate {
   double exchange = 0;
   double error = 0;
-
-  ExchangeEstimate& operator+=(const ExchangeEstimate& other) {
-    exchange += other.exchange;
-    error += other.error;
-    return *this;
-  }
-  ExchangeEstimate& operator-=(const ExchangeEstimate& other) {
-    exchange -= other.exchange;
-    error -= other.error;
-    return *this;
-  }
 };
 
 /// The exchange of two polygons that see each other in part.
@@ -81,16 +70,33 @@ class ObstructedExchange {
     Vec3d from, to;       // the edge
     bool bounded = true;  // false: an occluder's own plane, from which it is seen edge on
   };
+  struct Cut {
+    const ShadowLine* line = nullptr;
+    double balance = 0;
+  };
+  /// A sum over cells, whose errors have signs of their own: squares add up.
+  struct Total {
+    double exchange = 0, variance = 0;
+    void add(const ExchangeEstimate& e) {
+      exchange += e.exchange;
+      variance += e.error * e.error;
+    }
+    void remove(const ExchangeEstimate& e) {
+      exchange -= e.exchange;
+      variance -= e.error * e.error;
+    }
+  };
 
   [[nodiscard]] bool clip_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
                                std::span<const Vec3d> source, const Plane3& source_plane, const ExchangeEstimate& open);
   void find_shadow_lines();
   void evaluate(Cell& cell);
-  void apply_rule(Cell& cell, bool kinks);
+  void apply_rule(Cell& cell, double kink);
   ExchangeEstimate open_exchange(double allowed);
   void find_meeting_lines();
-  [[nodiscard]] const ShadowLine* best_line(std::span<const ShadowLine> lines, std::span<const Vec3d> cell,
-                                            double least) const;
+  void find_poles();
+  [[nodiscard]] bool touches_pole(std::span<const Vec3d> cell) const;
+  [[nodiscard]] Cut best_cut(std::span<const Vec3d> cell) const;
   bool split(const Cell& cell, Cell& left, Cell& right);
   [[nodiscard]] bool matters(const ShadowLine& line, std::span<const Vec3d> cell) const;
 
@@ -102,10 +108,10 @@ class ObstructedExchange {
   ExchangeAreaScratch scratch_;
   std::vector<Vec3d> receiver_, source_;
   Silhouette silhouette_;
-  std::vector<ShadowLine> lines_;          // where the silhouette meets the source's outline
-  std::vector<ShadowLine> meeting_lines_;  // where two of its edges meet before the source
-  std::vector<bool> turning_;              // per plane of the silhouette: an edge asks for it
-  bool lines_found_ = false, meeting_lines_found_ = false;
+  std::vector<ShadowLine> lines_;
+  std::vector<Vec3d> poles_;
+  std::vector<bool> turning_;  // per plane of the silhouette: an edge asks for it
+  bool lines_found_ = false;
   std::vector<WeightedPoint> points_;
   std::vector<double> x_, y_, z_, seen_, hidden_;
   std::vector<Cell> cells_;
