@@ -31,6 +31,11 @@ constexpr double partial_by_area = 0.3, partial_by_value = 0.3;
 // Partly hidden pairs are few and costly. A survey of some rows finds which part of a row they make up at most, and
 // they share out what is meant for all; `survey_margin` times that part, since other rows may hold more.
 constexpr double survey_margin = 1.5;
+constexpr std::size_t surveyed_step = 4;  // of a surveyed cluster's patches every fourth
+
+/// The mean size of n errors is at most this share of their estimates: an estimate is made to hold for each pair alone,
+/// and is then several times what is to be expected (tests/radiosity/auto_test.cpp); what is left is chance.
+double expected_share(double n) { return std::min(1.0, 0.25 + 1 / std::sqrt(std::max(1.0, n))); }
 
 }  // namespace
 
@@ -68,6 +73,7 @@ struct AutoFormFactors::Impl {
   /// What part of a row its partly hidden pairs are, by area and by exchange.
   struct Survey {
     double by_area = 0, by_value = 0;
+    double pairs = 0;  // how many there are
   };
   void survey();
   struct Worker;
@@ -83,6 +89,7 @@ struct AutoFormFactors::Impl {
   double coplanar = 0;                 // m, what lies within it of a plane lies on it
   double total_area = 0;
   double partial_by_area_all = partial_by_area, partial_by_value_all = partial_by_value;
+  double partial_error_share = 1;  // of a partly hidden pair's estimate, that counts in the sum over a row
   std::vector<Block> blocks;
 };
 
@@ -181,9 +188,10 @@ void AutoFormFactors::Impl::Worker::partial_pair(std::size_t slot_i, std::size_t
   }
   const double tolerance = impl.options.tolerance;
   const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
-  emit(i, j,
-       obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
-                            impl.settings.max_cells));
+  ExchangeEstimate e = obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
+                                            impl.settings.max_cells);
+  e.error *= impl.partial_error_share;
+  emit(i, j, e);
 }
 
 /// Takes the finer rule for the lanes whose error is more than a visible pair is allowed.
@@ -228,6 +236,7 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
     } else if ((in_part & bit) != 0) {
       (*surveys)[lane].by_area += impl.clusters.area[b * PatchClusters::lanes + l] / impl.total_area;
       (*surveys)[lane].by_value += open.exchange[l] / impl.clusters.area[slot];
+      (*surveys)[lane].pairs += 1;
     }
   }
 }
@@ -244,7 +253,8 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
   if (between == Sight::hidden) return;
   disturbed = between == Sight::partial;
   for (std::size_t lane = 0; lane < first.count; ++lane)
-    if (only_lane == PatchClusters::lanes || only_lane == lane) patch_row(a, lane, b);
+    if (surveys ? lane % surveyed_step == 0 : only_lane == PatchClusters::lanes || only_lane == lane)
+      patch_row(a, lane, b);
 }
 
 void AutoFormFactors::Impl::Worker::run(const Block& block) {
@@ -277,25 +287,30 @@ void AutoFormFactors::Impl::Worker::run_row(std::uint32_t patch) {
 /// Finds the largest part that partly hidden pairs have in some rows, and raises what one of them may err accordingly.
 void AutoFormFactors::Impl::survey() {
   const std::size_t count = std::min(clusters.size(), settings.surveyed_clusters);
-  std::vector<Survey> largest(count);
+  std::vector<std::vector<Survey>> rows(count, std::vector<Survey>(PatchClusters::lanes));
   parallel_for(count, 1, [&](std::size_t n, std::size_t) {
     const std::size_t a = n * clusters.size() / count;
     Worker worker(*this);
-    std::vector<Survey> lanes(PatchClusters::lanes);
-    worker.surveys = &lanes;
+    worker.surveys = &rows[n];
     for (std::size_t b = 0; b < clusters.size(); ++b) worker.cluster_pair(a, b);
-    for (const Survey& lane : lanes) {
-      largest[n].by_area = std::max(largest[n].by_area, lane.by_area);
-      largest[n].by_value = std::max(largest[n].by_value, lane.by_value);
-    }
   });
-  Survey most{1e-3, 1e-3};
-  for (const Survey& one : largest) {
-    most.by_area = std::max(most.by_area, survey_margin * one.by_area);
-    most.by_value = std::max(most.by_value, survey_margin * one.by_value);
-  }
-  partial_by_area_all = partial_by_area / std::min(1.0, most.by_area);
-  partial_by_value_all = partial_by_value / std::min(1.0, most.by_value);
+  Survey most{1e-3, 1e-3, 0};
+  const auto for_each = [&](auto visit) {
+    for (const auto& lanes : rows) std::for_each(lanes.begin(), lanes.end(), visit);
+  };
+  for_each([&](const Survey& row) {
+    most.by_area = std::max(most.by_area, survey_margin * row.by_area);
+    most.by_value = std::max(most.by_value, survey_margin * row.by_value);
+    most.pairs = std::max(most.pairs, row.pairs);
+  });
+  // The fewest in a row that has a good part of what the worst row has.
+  double pairs = most.pairs;
+  for_each([&](const Survey& row) {
+    if (row.by_value > 0.25 * most.by_value) pairs = std::min(pairs, row.pairs);
+  });
+  partial_error_share = expected_share(pairs);
+  partial_by_area_all = partial_by_area / std::min(1.0, most.by_area) / partial_error_share;
+  partial_by_value_all = partial_by_value / std::min(1.0, most.by_value) / partial_error_share;
 }
 
 AutoFormFactors::AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options)

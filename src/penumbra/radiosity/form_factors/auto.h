@@ -27,7 +27,7 @@ class AutoFormFactors : public FormFactorMethod {
     std::size_t max_cells = 4096;  ///< pieces that one partly hidden pair may be cut into
     /// What hides, made beforehand from coarser patches of the same surfaces; none: the mesh's own patches.
     std::shared_ptr<const OccluderPolygons> occluders{};
-    std::size_t surveyed_clusters = 48;  ///< whose rows are looked at to share out the tolerance; at least 1
+    std::size_t surveyed_clusters = 24;  ///< whose rows are looked at to share out the tolerance; at least 1
   };
 
   AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options);

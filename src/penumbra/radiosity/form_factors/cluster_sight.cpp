@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "penumbra/radiosity/form_factors/shaft.h"
+
 namespace penumbra {
 namespace {
 
@@ -201,11 +203,26 @@ void ClusterSight::settle(std::uint32_t settled, std::uint32_t& facing) const {
   }
 }
 
+Bounds ClusterSight::bounds_of_patch(std::size_t lane) const {
+  const PatchClusters::Cluster& cluster = clusters_.clusters[a_];
+  Bounds bounds;
+  for (std::size_t k = 0; k < cluster.corner_count; ++k)
+    bounds.grow({clusters_.corner(cluster, k, 0)[lane], clusters_.corner(cluster, k, 1)[lane],
+                 clusters_.corner(cluster, k, 2)[lane]});
+  return bounds;
+}
+
 std::uint32_t ClusterSight::look(std::size_t lane, std::uint32_t& facing) {
   lane_ = lane;
   std::uint32_t unsettled = 0;
+  const Shaft shaft(bounds_of_patch(lane), clusters_.clusters[b_].bounds);
   for (Listed& one : listed_) {
     if (one.silent()) continue;
+    if (shaft.misses(index_.occluders().bounds[one.occluder])) {
+      one.seen = {};
+      one.seen.visible = ~0U;
+      continue;
+    }
     one.seen = lane_visibility(clusters_, a_, lane, tables_.data() + one.table_a, b_, tables_.data() + one.table_b,
                                index_.planes(one.occluder).size(), index_.occluders().slack[one.occluder], facing,
                                inside_.data() + one.inside);

@@ -72,6 +72,7 @@ class ClusterSight {
   void find_live_rims(std::uint32_t facing);
   void settle(std::uint32_t settled, std::uint32_t& facing) const;
   [[nodiscard]] Vec3d centroid(std::size_t slot) const;
+  [[nodiscard]] Bounds bounds_of_patch(std::size_t lane) const;
 
   const OccluderIndex& index_;
   const PatchClusters& clusters_;
