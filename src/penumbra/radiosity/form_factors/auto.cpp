@@ -31,11 +31,7 @@ constexpr double partial_by_area = 0.3, partial_by_value = 0.3;
 // Partly hidden pairs are few and costly. A survey of some rows finds which part of a row they make up at most, and
 // they share out what is meant for all; `survey_margin` times that part, since other rows may hold more.
 constexpr double survey_margin = 1.5;
-constexpr std::size_t surveyed_step = 4;  // of a surveyed cluster's patches every fourth
-
-/// The mean size of n errors is at most this share of their estimates: an estimate is made to hold for each pair alone,
-/// and is then several times what is to be expected (tests/radiosity/auto_test.cpp); what is left is chance.
-double expected_share(double n) { return std::min(1.0, 0.25 + 1 / std::sqrt(std::max(1.0, n))); }
+constexpr std::size_t survey_step = 4;  // of some clusters' patches every fourth is surveyed
 
 }  // namespace
 
@@ -76,6 +72,9 @@ struct AutoFormFactors::Impl {
     double pairs = 0;  // how many there are
   };
   void survey();
+  [[nodiscard]] std::size_t survey_step_of_patches() const {
+    return clusters.size() > settings.surveyed_clusters ? survey_step : 1;
+  }
   struct Worker;
 
   const PatchMesh& mesh;
@@ -89,13 +88,15 @@ struct AutoFormFactors::Impl {
   double coplanar = 0;                 // m, what lies within it of a plane lies on it
   double total_area = 0;
   double partial_by_area_all = partial_by_area, partial_by_value_all = partial_by_value;
-  double partial_error_share = 1;  // of a partly hidden pair's estimate, that counts in the sum over a row
+  double caution = 1;  // of a partly hidden pair's estimate, one of many in a row
   std::vector<Block> blocks;
 };
 
 /// One block's work: scratch memory and the result.
 struct AutoFormFactors::Impl::Worker {
-  explicit Worker(const Impl& i) : impl(i), sight(i.index, i.clusters), obstructed(i.occluders) {}
+  explicit Worker(const Impl& i) : impl(i), sight(i.index, i.clusters), obstructed(i.occluders) {
+    obstructed.set_caution(i.caution);
+  }
 
   void run(const Block& block);
   void run_row(std::uint32_t patch);
@@ -188,10 +189,9 @@ void AutoFormFactors::Impl::Worker::partial_pair(std::size_t slot_i, std::size_t
   }
   const double tolerance = impl.options.tolerance;
   const double by_area = tolerance * impl.mesh.areas[i] * impl.mesh.areas[j] / impl.total_area;
-  ExchangeEstimate e = obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
-                                            impl.settings.max_cells);
-  e.error *= impl.partial_error_share;
-  emit(i, j, e);
+  emit(i, j,
+       obstructed.integrate(impl.partial_by_area_all * by_area, impl.partial_by_value_all * tolerance,
+                            impl.settings.max_cells));
 }
 
 /// Takes the finer rule for the lanes whose error is more than a visible pair is allowed.
@@ -253,7 +253,7 @@ void AutoFormFactors::Impl::Worker::cluster_pair(std::size_t a, std::size_t b) {
   if (between == Sight::hidden) return;
   disturbed = between == Sight::partial;
   for (std::size_t lane = 0; lane < first.count; ++lane)
-    if (surveys ? lane % surveyed_step == 0 : only_lane == PatchClusters::lanes || only_lane == lane)
+    if (surveys ? lane % impl.survey_step_of_patches() == 0 : only_lane == PatchClusters::lanes || only_lane == lane)
       patch_row(a, lane, b);
 }
 
@@ -308,9 +308,9 @@ void AutoFormFactors::Impl::survey() {
   for_each([&](const Survey& row) {
     if (row.by_value > 0.25 * most.by_value) pairs = std::min(pairs, row.pairs);
   });
-  partial_error_share = expected_share(pairs);
-  partial_by_area_all = partial_by_area / std::min(1.0, most.by_area) / partial_error_share;
-  partial_by_value_all = partial_by_value / std::min(1.0, most.by_value) / partial_error_share;
+  caution = 1 / std::sqrt(std::max(1.0, pairs));
+  partial_by_area_all = partial_by_area / std::min(1.0, most.by_area);
+  partial_by_value_all = partial_by_value / std::min(1.0, most.by_value);
 }
 
 AutoFormFactors::AutoFormFactors(const PatchMesh& mesh, const FormFactorOptions& options)

@@ -8,13 +8,18 @@ namespace penumbra {
 namespace {
 
 constexpr int nodes = 4;
-constexpr double kink_share = 0.2;
-constexpr double overlooked_share = 3e-3;    // a strip up to the first node (0.069), where the view opens linearly
-constexpr double overlooked_strip = 0.1;     // of a narrower strip's width: there it may open at once
-constexpr double first_node = 0.05;          // a line closer to the rim than about this is not seen by the nodes
-constexpr double touching = 1e-6;            // of a cell's size
-constexpr std::size_t most_lined = 64;       // edges whose shadow lines are looked for
-constexpr std::size_t most_meeting = 32;     // edges whose meetings are looked for
+// Errors of the rule where the integrand has kinks, of degree 2 and 3's size: where the view opens or closes slowly, and
+// where it does so between two nodes at once, as it may across two shadow lines.
+constexpr double kink_share = 0.2, step_share = 1;
+// What the nodes may overlook, of the open exchange: a strip up to the first node (0.069), where the view opens linearly;
+// of a narrower strip's width: there it may open at once; between two lines all, up to the gap of two nodes.
+constexpr double overlooked_share = 3e-3, overlooked_strip = 0.1, overlooked_step = 0.17, overlooked_step_strip = 0.5;
+constexpr double first_node = 0.05;        // a line closer to the rim than about this is not seen by the nodes
+constexpr double expected_share = 0.25;    // the mean error is at most this share of the estimate for slow views
+constexpr double touching = 1e-6;          // of a cell's size
+constexpr double layer = 2, layer_growth = 4;  // where layers end, in an edge's heights over the receiver
+constexpr std::size_t most_lined = 64;     // edges whose shadow lines are looked for
+constexpr std::size_t most_meeting = 48;   // edges whose meetings are looked for
 constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
 constexpr double loose_tolerance = 0.01;     // relative
 constexpr double open_share = 0.2;           // of the allowed error, that of the exchange without occluders
@@ -40,11 +45,16 @@ struct HighModes {
   }
 };
 
-/// The error of the Gauss sum of 4 x 4 values as a share of the piece's area, from their Legendre coefficients c_m.
-///
+/// What 4 x 4 values at Gauss nodes say of the error of their sum, as a share of the piece's area, from their Legendre
+/// coefficients c_m.
+struct RuleError {
+  double smooth = 0;     ///< if the integrand is smooth
+  double irregular = 0;  ///< the size of degree 2 and 3: those of an integrand with a kink decay like m^-2 only
+};
+
 /// A smooth integrand's coefficients decay like r^m, and Gauss misses those from degree 8 on: c_0 r^8, of which r^6 is
-/// taken to be safe. Those of one with a kink decay like m^-2 whatever the first ones say: a share of degree 2 and 3.
-double quadrature_error(std::span<const double> values, bool kinks) {
+/// taken to be safe.
+RuleError rule_error(std::span<const double> values) {
   static const HighModes modes;
   double mean = 0, second = 0, third = 0;
   for (std::size_t i = 0; i < nodes; ++i)
@@ -67,10 +77,10 @@ double quadrature_error(std::span<const double> values, bool kinks) {
   }
   second = std::sqrt(second);
   third = std::sqrt(third);
-  if (kinks) return kink_share * std::hypot(third, 0.5 * second);
-  if (!(mean > 0)) return 0;
+  if (!(mean > 0)) return {};
   const double rate = std::min(1.0, std::max(std::sqrt(second / mean), std::cbrt(third / mean)));
-  return mean * std::pow(rate, 6);
+  const double rate2 = rate * rate;
+  return {mean * rate2 * rate2 * rate2, std::sqrt(third * third + 0.25 * second * second)};
 }
 
 /// The part of `polygon` in front of a plane, without edges of no length.
@@ -121,7 +131,6 @@ bool ObstructedExchange::clip_pair(std::span<const Vec3d> receiver, const Plane3
   clip_cleanly(receiver, source_plane, receiver_);
   clip_cleanly(source, receiver_plane, source_);
   lines_.clear();
-  lines_found_ = false;
   silhouette_.clear();
   if (receiver_.size() < 3 || source_.size() < 3) return false;
   open_factor_ = open.exchange / polygon_area(receiver_);
@@ -143,9 +152,8 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
     silhouette_.build(occluders_, surface, receiver_, receiver_plane, source_, source_plane);
 }
 
-/// Replaces what stands in the cell by the rule's sums over `points_`. `kink` is how far from its rim it may have one,
-/// as a share of its width.
-void ObstructedExchange::apply_rule(Cell& cell, double kink) {
+/// Replaces what stands in the cell by the rule's sums over `points_`.
+void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink) {
   const std::size_t count =
       (points_.size() + VisibleFragments::group - 1) / VisibleFragments::group * VisibleFragments::group;
   for (auto* v : {&x_, &y_, &z_, &seen_, &hidden_})
@@ -161,7 +169,15 @@ void ObstructedExchange::apply_rule(Cell& cell, double kink) {
   for (std::size_t k = 0; k < count; ++k) hidden_[k] -= seen_[k];
 
   constexpr std::size_t tensor = nodes * nodes;
-  const double overlooked = std::min(overlooked_share, overlooked_strip * kink) * open_factor_;
+  const auto error_of = [&](const RuleError& e) {
+    double expected = kink.balance > first_node ? kink_share * e.irregular : e.smooth;
+    double possible = kink.balance > first_node ? (kink.lines > 1 ? step_share : kink_share) * e.irregular : e.smooth;
+    expected = std::max(expected, open_factor_ * std::min(overlooked_share, overlooked_strip * kink.balance));
+    possible = std::max(possible, open_factor_ * (kink.lines > 1
+                                                      ? std::min(overlooked_step, overlooked_step_strip * kink.balance)
+                                                      : std::min(overlooked_share, overlooked_strip * kink.balance)));
+    return std::max(expected_share * expected, caution_ * possible);
+  };
   const auto sum = [&](const std::vector<double>& values) {
     ExchangeEstimate e;
     for (std::size_t first = 0; first + tensor <= points_.size(); first += tensor) {
@@ -170,8 +186,7 @@ void ObstructedExchange::apply_rule(Cell& cell, double kink) {
         e.exchange += points_[k].weight * values[k];
         area += points_[k].weight;
       }
-      const double error = quadrature_error(std::span(values).subspan(first, tensor), kink > first_node);
-      e.error += std::abs(area) * std::max(error, overlooked);
+      e.error += std::abs(area) * error_of(rule_error(std::span(values).subspan(first, tensor)));
     }
     return e;
   };
@@ -181,9 +196,12 @@ void ObstructedExchange::apply_rule(Cell& cell, double kink) {
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
-  double kink = 0;
-  if (!uniform()) kink = !lines_found_ || touches_pole(cell.polygon) ? 1 : best_cut(cell.polygon).balance;
-  apply_rule(cell, kink > negligible_balance ? kink : 0);
+  Cut kink;
+  if (!uniform() && touches_pole(cell.polygon))
+    kink = {nullptr, 1, 2};
+  else if (!uniform())
+    kink = all_lines_known_ ? best_cut(cell.polygon) : Cut{nullptr, 1, 1};
+  apply_rule(cell, kink);
 }
 
 /// The exchange without occluders, to within `allowed`.
@@ -201,8 +219,8 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   if (cells_.size() < 3) cells_.resize(3);
   cells_[0].polygon = receiver_;
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
+  if (!uniform()) find_shadow_lines();
   if (!uniform() && relative < loose_tolerance && max_cells > 1) {
-    find_shadow_lines();
     if (best_cut(receiver_).balance > first_cut_balance && split(cells_[0], cells_[1], cells_[2])) {
       std::swap(cells_[0], cells_[1]);
       std::swap(cells_[1], cells_[2]);
@@ -262,14 +280,13 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
 }
 
 void ObstructedExchange::find_shadow_lines() {
-  lines_found_ = true;
   lines_.clear();
   find_poles();
   const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
     const double size = length(across);
     if (!(size > 1e-14 * length(from - pole) * length(to - pole))) return;
-    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
+    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to};
     if (is_cut(receiver_, line.plane) && matters(line, receiver_)) lines_.push_back(line);
   };
   // An occluder's plane, from which it is seen edge on, across the source.
@@ -277,16 +294,44 @@ void ObstructedExchange::find_shadow_lines() {
   for (const Silhouette::Turning& t : silhouette_.turning()) turning_[t.plane] = true;
   for (std::size_t k = 0; k < turning_.size(); ++k) {
     const Plane3& plane = silhouette_.planes()[k];
-    if (turning_[k] && is_cut(receiver_, plane) && is_cut(source_, plane)) lines_.push_back({plane, {}, {}, {}, false});
+    if (turning_[k] && is_cut(receiver_, plane) && is_cut(source_, plane)) lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::edge_on});
   }
-  if (silhouette_.edges().size() <= most_meeting) find_meeting_lines();
+  all_lines_known_ = silhouette_.edges().size() <= most_meeting;
+  if (all_lines_known_) find_meeting_lines();
   if (silhouette_.edges().size() > most_lined) return;
   const auto vertices = silhouette_.vertices();
+  for (const Silhouette::Edge& edge : silhouette_.edges()) find_layers(vertices[edge.from], vertices[edge.to]);
   for (std::size_t a = 0; a < source_.size(); ++a) {
     const Vec3d& corner = source_[a];
     const Vec3d& next = source_[a + 1 == source_.size() ? 0 : a + 1];
     for (const Silhouette::Edge& edge : silhouette_.edges()) add(corner, vertices[edge.from], vertices[edge.to]);
     for (const Vec3d& v : vertices) add(v, corner, next);
+  }
+}
+
+/// Adds lines along an edge close above the receiver, before a source that is wide as seen from there: the view opens
+/// within about the edge's height, and then ever more slowly, to where the edge leaves the source.
+void ObstructedExchange::find_layers(const Vec3d& from, const Vec3d& to) {
+  const Vec3d& up = receiver_plane_.normal;
+  const double height = 0.5 * (receiver_plane_.distance(from) + receiver_plane_.distance(to));
+  const Vec3d across = cross(up, to - from);
+  const double size = length(across), slope = receiver_plane_.distance(to) - receiver_plane_.distance(from);
+  if (!(size > 2 * std::abs(slope)) || !(height > touching * size)) return;
+  const Vec3d normal = across / size;
+  const double offset = dot(normal, 0.5 * (from + to));
+  double least = 0, most = 0;  // where the edge covers the source's corners
+  for (const Vec3d& corner : source_) {
+    const double rise = std::max(receiver_plane_.distance(corner) - height, 1e-3 * height);
+    const double at = (offset - dot(normal, corner)) * height / rise;
+    least = std::min(least, at);
+    most = std::max(most, at);
+  }
+  for (const double end : {least, most}) {
+    for (double at = layer * height; at < std::abs(end); at *= layer_growth) {
+      const Plane3 plane{normal, offset + (end < 0 ? -at : at)};
+      if (!is_cut(receiver_, plane)) break;
+      lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::layer});
+    }
   }
 }
 
@@ -323,7 +368,7 @@ void ObstructedExchange::find_meeting_lines() {
     const Vec3d across = cross(from - pole, to - pole);
     const double size = length(across);
     if (!(size > 1e-6 * length(from - pole) * length(to - pole))) return;
-    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to, true};
+    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to};
     if (!is_cut(receiver_, line.plane) || !matters(line, receiver_)) return;
     std::array<Vec3d, 2> ends{};
     std::size_t found = 0;
@@ -344,7 +389,7 @@ void ObstructedExchange::find_meeting_lines() {
 /// Whether, somewhere along the line's chord through the cell, the corner covers a point of the edge itself and not
 /// only of its extension.
 bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> cell) const {
-  if (!line.bounded) return true;
+  if (line.kind != ShadowLine::Kind::shadow) return true;
   double least = 1e300, most = -1e300;
   bool ahead = false, astern = false;  // of the point from which the edge is seen end on: there u passes infinity
   for (std::size_t c = 0; c < cell.size(); ++c) {
@@ -376,13 +421,18 @@ ObstructedExchange::Cut ObstructedExchange::best_cut(std::span<const Vec3d> cell
       back = std::max(back, -d);
     }
     const double balance = std::min(front, back) / (front + back);
-    if (balance > best.balance && matters(line, cell)) best = {&line, balance};
+    if (!(balance > best.balance || (best.lines < 2 && balance > negligible_balance)) || !matters(line, cell)) continue;
+    if (balance > negligible_balance) ++best.lines;
+    if (balance > best.balance) {
+      best.line = &line;
+      best.balance = balance;
+    }
   }
+  if (best.balance <= negligible_balance) return {};
   return best;
 }
 
 bool ObstructedExchange::split(const Cell& cell, Cell& left, Cell& right) {
-  if (!lines_found_) find_shadow_lines();
   const Cut best = best_cut(cell.polygon);
   Plane3 cut;
   if (best.balance > least_balance) {

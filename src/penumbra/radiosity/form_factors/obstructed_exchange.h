@@ -48,6 +48,10 @@ class ObstructedExchange {
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
                 const Plane3& source_plane, const Silhouette::Surface& surface, const ExchangeEstimate& open);
 
+  /// How much of the largest error that is possible an estimate holds, 0..1: 1 for a pair alone, 1 / sqrt(n) for one of
+  /// n whose errors are added up. It is no less than what is to be expected.
+  void set_caution(double caution) { caution_ = caution; }
+
   /// Whether what stands between hides the same from all points: nothing, or when covered() all.
   [[nodiscard]] bool uniform() const { return silhouette_.edges().empty(); }
   [[nodiscard]] bool covered() const { return silhouette_.reference() && silhouette_.reference()->covering > 0.5; }
@@ -68,11 +72,18 @@ class ObstructedExchange {
     Plane3 plane;         // its trace on the receiver is the line
     Vec3d pole;           // the corner, of source or occluder
     Vec3d from, to;       // the edge
-    bool bounded = true;  // false: an occluder's own plane, from which it is seen edge on
+    enum class Kind {
+      shadow,
+      edge_on,  // an occluder's own plane
+      layer,    // no kink, but a quick change nearby
+    } kind = Kind::shadow;
   };
+  /// The shadow line that cuts a cell most evenly: the share of the cell on its smaller side, and how many lines there
+  /// are, counted up to two.
   struct Cut {
     const ShadowLine* line = nullptr;
     double balance = 0;
+    int lines = 0;
   };
   /// A sum over cells, whose errors have signs of their own: squares add up.
   struct Total {
@@ -91,10 +102,11 @@ class ObstructedExchange {
                                std::span<const Vec3d> source, const Plane3& source_plane, const ExchangeEstimate& open);
   void find_shadow_lines();
   void evaluate(Cell& cell);
-  void apply_rule(Cell& cell, double kink);
+  void apply_rule(Cell& cell, const Cut& kink);
   ExchangeEstimate open_exchange(double allowed);
   void find_meeting_lines();
   void find_poles();
+  void find_layers(const Vec3d& from, const Vec3d& to);
   [[nodiscard]] bool touches_pole(std::span<const Vec3d> cell) const;
   [[nodiscard]] Cut best_cut(std::span<const Vec3d> cell) const;
   bool split(const Cell& cell, Cell& left, Cell& right);
@@ -111,7 +123,8 @@ class ObstructedExchange {
   std::vector<ShadowLine> lines_;
   std::vector<Vec3d> poles_;
   std::vector<bool> turning_;  // per plane of the silhouette: an edge asks for it
-  bool lines_found_ = false;
+  bool all_lines_known_ = false;
+  double caution_ = 1;
   std::vector<WeightedPoint> points_;
   std::vector<double> x_, y_, z_, seen_, hidden_;
   std::vector<Cell> cells_;
