@@ -31,6 +31,8 @@ constexpr double partial_by_area = 0.3, partial_by_value = 0.3;
 // Partly hidden pairs are few and costly. A survey of some rows finds which part of a row they make up at most, and
 // they share out what is meant for all; `survey_margin` times that part, since other rows may hold more.
 constexpr double survey_margin = 1.5;
+// One of few such pairs in a row is estimated by the most that its error can be; of many the mean matters.
+constexpr double cautious_pairs = 4;
 constexpr std::size_t survey_step = 4;  // of some clusters' patches every fourth is surveyed
 
 }  // namespace
@@ -308,7 +310,7 @@ void AutoFormFactors::Impl::survey() {
   for_each([&](const Survey& row) {
     if (row.by_value > 0.25 * most.by_value) pairs = std::min(pairs, row.pairs);
   });
-  caution = 1 / std::sqrt(std::max(1.0, pairs));
+  caution = std::min(1.0, cautious_pairs / std::max(1.0, pairs));
   partial_by_area_all = partial_by_area / std::min(1.0, most.by_area);
   partial_by_value_all = partial_by_value / std::min(1.0, most.by_value);
 }

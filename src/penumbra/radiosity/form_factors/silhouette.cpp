@@ -112,16 +112,18 @@ std::uint32_t Silhouette::cut(int plane, std::uint32_t edge, std::uint32_t a, st
   return fresh;
 }
 
-/// Keeps the part of `ring_` on which the height over a plane is not negative.
+/// Keeps the part of `ring_` on which the height over a plane is not negative. A corner on the plane is cut off as it is:
+/// two vertices in one place would seem to be apart.
 void Silhouette::clip(int plane) {
   const auto which = static_cast<std::size_t>(plane);
   clipped_.clear();
   for (std::size_t c = 0; c < ring_.size(); ++c) {
     const Corner& here = ring_[c];
     const std::uint32_t next = ring_[c + 1 == ring_.size() ? 0 : c + 1].vertex;
-    const bool in = heights_[here.vertex][which] >= 0, next_in = heights_[next][which] >= 0;
-    if (in) clipped_.push_back(here);
-    if (in == next_in) continue;
+    const double height = heights_[here.vertex][which], next_height = heights_[next][which];
+    const bool in = height >= 0, next_in = next_height >= 0;
+    if (in) clipped_.push_back({here.vertex, height == 0 && !next_in ? none : here.edge});
+    if (in == next_in || height == 0 || next_height == 0) continue;
     const std::uint32_t at = cut(plane, here.edge, here.vertex, next);
     clipped_.push_back({at, in ? none : here.edge});
   }
