@@ -169,14 +169,14 @@ TEST(VisibleFragments, UnionOfOverlappingBlockersIsCutExactly) {
       silhouette.add_polygon(blocker, polygon_plane(blocker));
       blockers.push_back(blocker);
     }
-    std::array<double, 8> x{}, y{}, z{}, found{};
+    std::array<double, 8> x{}, y{}, z{}, found{}, open{};
     for (std::size_t k = 0; k < 8; ++k) {
       x[k] = 2 * uniform(random) - 0.5;
       y[k] = 2 * uniform(random) - 0.5;
       z[k] = 0.3 * uniform(random);
     }
     const Vec3d up{0, 0, 1};
-    fragments.evaluate(silhouette, x.data(), y.data(), z.data(), 8, up, found.data());
+    fragments.evaluate(silhouette, x.data(), y.data(), z.data(), 8, up, found.data(), open.data());
     for (std::size_t k = 0; k < 8; ++k) {
       const Vec3d point{x[k], y[k], z[k]};
       std::vector<Polygon> pieces{source};
@@ -191,6 +191,7 @@ TEST(VisibleFragments, UnionOfOverlappingBlockersIsCutExactly) {
       double expected = 0;
       for (const Polygon& piece : pieces) expected += point_to_polygon(point, up, piece);
       EXPECT_NEAR(found[k], expected, 1e-7) << "run " << run << " blockers " << count;
+      EXPECT_NEAR(open[k], point_to_polygon(point, up, source), 1e-12);
     }
   }
 }

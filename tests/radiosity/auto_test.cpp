@@ -20,6 +20,7 @@
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
 #include "penumbra/radiosity/form_factors/pair_methods.h"
 #include "penumbra/scene/builtin_scenes.h"
+#include "radiosity/polygon_makers.h"
 #include "radiosity/view3d_cases.h"
 
 namespace penumbra {
@@ -182,6 +183,63 @@ TEST(Auto, NothingInBetweenAddsLight) {
       EXPECT_LE(m.at(i, j), open * 1.001 + 1e-5) << i << " " << j;
     }
   }
+}
+
+// Neighbours in such walls touch, and hide parts of each other along the horizon.
+TEST(Auto, UnevenRoomsClose) {
+  const PatchMesh mesh = triangle_room(2, 0.3);
+  for (double tolerance : {1e-3, 1e-4}) {
+    const FactorMatrix m = matrix_of(mesh, tolerance);
+    for (std::size_t i = 0; i < m.rows(); ++i) {
+      EXPECT_NEAR(m.row_sum(i), 1, tolerance) << i;
+      EXPECT_LE(m.row_errors[i], tolerance) << i;
+      EXPECT_LE(std::abs(m.row_sum(i) - 1), m.row_errors[i] + 2e-6) << i;
+    }
+  }
+}
+
+// Half-shadows of a hundredth of the square's width (semi-analytic: view_factors_obstructed.json).
+TEST(Auto, EstimateHoldsForAPlateCloseToTheReceiver) {
+  PolygonModel model;
+  add_rectangle(model, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  add_rectangle(model, {0, 0, 1}, {0, 1, 0}, {1, 0, 0});
+  add_rectangle(model, {0.25, 0.25, 0.01}, {0.5, 0, 0}, {0, 0.5, 0});
+  const PatchMesh mesh = make_patch_mesh(model).mesh;
+  for (double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+    const FactorMatrix m = matrix_of(mesh, tolerance);
+    const double error = std::abs(m.at(0, 1) - 0.1418679263878689);
+    EXPECT_LE(error, m.row_errors[0] + 1e-9) << tolerance;
+    EXPECT_LE(m.row_errors[0], tolerance);
+  }
+}
+
+// Plates at heights of 1e-4 to 0.4 over a unit square, in front of one that faces it.
+TEST(Auto, EstimatesHoldForPlatesAtRandom) {
+  Dice dice(5);
+  int rows = 0, held = 0;
+  for (int run = 0; run < 12; ++run) {
+    PolygonModel model;
+    add_rectangle(model, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    add_rectangle(model, {dice.between(-0.5, 0.3), dice.between(-0.5, 0.3), dice.between(0.5, 1.5)}, {0, 1, 0},
+                  {1, 0, 0});
+    for (int k = 0; k <= run % 3; ++k)
+      add_rectangle(model, {dice.between(-0.2, 0.9), dice.between(-0.2, 0.9), std::pow(10, dice.between(-4, -0.4))},
+                    {dice.between(0.1, 0.8), 0, 0}, {0, dice.between(0.1, 0.8), 0});
+    const PatchMesh mesh = make_patch_mesh(model).mesh;
+    const FactorMatrix truth = matrix_of(mesh, 1e-7);
+    for (double tolerance : {1e-2, 1e-4}) {
+      const FactorMatrix m = matrix_of(mesh, tolerance);
+      for (std::size_t i = 0; i < m.rows(); ++i) {
+        double error = 0;
+        for (std::size_t j = 0; j < m.rows(); ++j) error += std::abs(m.at(i, j) - truth.at(i, j));
+        EXPECT_LE(error, 4 * tolerance) << "run " << run << " row " << i;
+        EXPECT_LE(error, 4 * (m.row_errors[i] + truth.row_errors[i]) + 1e-8) << "run " << run << " row " << i;
+        ++rows;
+        if (error <= m.row_errors[i] + truth.row_errors[i] + 1e-8) ++held;
+      }
+    }
+  }
+  EXPECT_GE(held, rows * 9 / 10);
 }
 
 TEST(Auto, ToleranceBoundsEachRowsError) {

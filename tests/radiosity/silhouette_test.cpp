@@ -85,11 +85,11 @@ const std::vector<Polygon> walls{{{1, 0, 0}, {1, 0, 1}, {1, 1, 1}, {1, 1, 0}},
 double mean_factor(const OccluderPolygons& occluders, const Polygon& from, const Polygon& to, int n) {
   const Plane3 plane = polygon_plane(from);
   Silhouette silhouette;
-  silhouette.build(occluders, near_ones(occluders), from, plane, polygon_plane(to));
+  silhouette.build(occluders, near_ones(occluders), from, plane, to, polygon_plane(to));
   VisibleFragments fragments;
   fragments.set_source(to);
   const auto count = static_cast<std::size_t>(n);
-  std::vector<double> x(count), y(count), z(count), factors(count);
+  std::vector<double> x(count), y(count), z(count), factors(count), open(count);
   double sum = 0;
   for (int i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < count; ++j) {
@@ -99,7 +99,7 @@ double mean_factor(const OccluderPolygons& occluders, const Polygon& from, const
       y[j] = p.y;
       z[j] = p.z;
     }
-    fragments.evaluate(silhouette, x.data(), y.data(), z.data(), count, plane.normal, factors.data());
+    fragments.evaluate(silhouette, x.data(), y.data(), z.data(), count, plane.normal, factors.data(), open.data());
     for (double f : factors) sum += f;
   }
   return sum / (n * n);
@@ -127,7 +127,7 @@ TEST(Silhouette, EdgesInsideAWallAreForgotten) {
   const OccluderPolygons occluders = standing_box(4).occluders(false);
   const Polygon beside{{0.7, 0.4, 0}, {0.9, 0.4, 0}, {0.9, 0.6, 0}, {0.7, 0.6, 0}};
   Silhouette silhouette;
-  silhouette.build(occluders, near_ones(occluders), beside, polygon_plane(beside), polygon_plane(walls[1]));
+  silhouette.build(occluders, near_ones(occluders), beside, polygon_plane(beside), walls[1], polygon_plane(walls[1]));
   EXPECT_EQ(silhouette.polygon_count(), 33U);
   // A box from the front, and from behind in the same shape: its outline of six, and its rim on the floor.
   EXPECT_LE(silhouette.edges().size(), 9U);
@@ -170,7 +170,7 @@ TEST(Silhouette, BumpyBallHidesWhatItsTrianglesHide) {
     const OccluderPolygons occluders = bumpy_ball(6, 8, seed).occluders(false);
     const auto blockers = near_ones(occluders);
     Silhouette together, apart;
-    together.build(occluders, blockers, receiver, polygon_plane(receiver), polygon_plane(source));
+    together.build(occluders, blockers, receiver, polygon_plane(receiver), source, polygon_plane(source));
     apart.clear();
     for (std::uint32_t k : blockers) {  // each moved by itself: edges that coincide have no order
       Polygon alone(occluders.polygon(k).begin(), occluders.polygon(k).end());
@@ -180,16 +180,17 @@ TEST(Silhouette, BumpyBallHidesWhatItsTrianglesHide) {
     EXPECT_LT(2 * together.edges().size(), apart.edges().size());
     VisibleFragments fragments;
     fragments.set_source(source);
-    std::array<double, 8> x{}, y{}, z{}, found{}, expected{};
+    std::array<double, 8> x{}, y{}, z{}, found{}, expected{}, open{};
     for (std::size_t k = 0; k < 8; ++k) {
       x[k] = uniform(random);
       y[k] = uniform(random);
       z[k] = -2;
     }
-    fragments.evaluate(together, x.data(), y.data(), z.data(), 8, up, found.data());
-    fragments.evaluate(apart, x.data(), y.data(), z.data(), 8, up, expected.data());
+    fragments.evaluate(together, x.data(), y.data(), z.data(), 8, up, found.data(), open.data());
+    fragments.evaluate(apart, x.data(), y.data(), z.data(), 8, up, expected.data(), open.data());
     for (std::size_t k = 0; k < 8; ++k) {
       EXPECT_NEAR(found[k], expected[k], 1e-7);
+      EXPECT_NEAR(open[k], point_to_polygon({x[k], y[k], z[k]}, up, source), 1e-12);
       // And what rays say: a grid of them over the source.
       const Vec3d p(x[k], y[k], z[k]);
       constexpr int n = 80;

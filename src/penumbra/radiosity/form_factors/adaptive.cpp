@@ -24,7 +24,9 @@ namespace {
 
 constexpr int nodes = 4;                 // of the Gauss rule each way, when halving
 constexpr std::size_t fewest_cells = 8;  // before its estimate is believed
-constexpr double in_plane = 1e-9;        // of the mesh's size: a corner this far in front of a plane lies on it
+// A piece longer than so many times its distance from a blocker may overlook, of what it would see without one:
+constexpr double near_blocker = 2, overlooked_near = 0.05;
+constexpr double in_plane = 1e-9;  // of the mesh's size: a corner this far in front of a plane lies on it
 
 Bounds bounds_of(std::span<const Vec3d> polygon) {
   Bounds b;
@@ -32,16 +34,27 @@ Bounds bounds_of(std::span<const Vec3d> polygon) {
   return b;
 }
 
+/// Of two boxes, 0 when they meet.
+double distance(const Bounds& a, const Bounds& b) {
+  Vec3d gap(0);
+  for (int axis = 0; axis < 3; ++axis)
+    gap[axis] = std::max({0.0, a.lower[axis] - b.upper[axis], b.lower[axis] - a.upper[axis]});
+  return length(gap);
+}
+
 bool reaches_front(std::span<const Vec3d> polygon, const Plane3& plane, double tolerance) {
   return std::any_of(polygon.begin(), polygon.end(), [&](const Vec3d& v) { return plane.distance(v) > tolerance; });
 }
 
 // Integrates by halving. A piece's error is what cutting it changes and what a smaller rule on its halves would: a
-// shadow edge may hide from one of the two. No pair is believed before it was cut into a few pieces.
+// shadow edge may hide from one of the two. No pair is believed before it was cut into a few pieces, and no piece that
+// is long against its distance from a blocker, whose shadow may be as sharp as that.
 class Halving {
  public:
-  Halving(BspSight& sight, const std::vector<char>& blocks, std::uint32_t source, const Vec3d& normal)
-      : sight_(sight), blocks_(blocks), source_(source), normal_(normal) {}
+  /// @param blockers the bounds of what may be in between. @param open the mean factor to the source without it.
+  Halving(BspSight& sight, const std::vector<char>& blocks, const std::vector<Bounds>& blockers, std::uint32_t source,
+          const Vec3d& normal, double open)
+      : sight_(sight), blocks_(blocks), blockers_(blockers), source_(source), normal_(normal), open_(open) {}
 
   ExchangeEstimate integrate(std::span<const Vec3d> receiver, double allowed, std::size_t most_cells) {
     std::vector<Cell> cells;  // a heap with the worst on top
@@ -89,7 +102,15 @@ class Halving {
       coarse += std::abs(fine - rule(half, nodes - 1));
     }
     cell.error = std::max(std::abs(cell.exchange - whole), coarse);
+    if (is_near_blocker(polygon)) cell.error = std::max(cell.error, overlooked_near * open_ * polygon_area(polygon));
     return cell;
+  }
+
+  [[nodiscard]] bool is_near_blocker(std::span<const Vec3d> polygon) const {
+    const Bounds bounds = bounds_of(polygon);
+    const double size = polygon_size(polygon);
+    return std::any_of(blockers_.begin(), blockers_.end(),
+                       [&](const Bounds& b) { return size > near_blocker * distance(bounds, b); });
   }
 
   double rule(std::span<const Vec3d> polygon, int n) {
@@ -115,8 +136,10 @@ class Halving {
 
   BspSight& sight_;
   const std::vector<char>& blocks_;
+  const std::vector<Bounds>& blockers_;
   std::uint32_t source_;
   Vec3d normal_;
+  double open_;
   std::vector<WeightedPoint> points_;
 };
 
@@ -164,6 +187,7 @@ class AdaptiveMethod final : public FormFactorMethod {
     std::optional<BspSight> sight;
     std::vector<std::uint32_t> blockers;
     std::vector<char> blocks;
+    std::vector<Bounds> between;
   };
 
   [[nodiscard]] bool face_each_other(std::uint32_t i, std::uint32_t j) const {
@@ -194,7 +218,6 @@ class AdaptiveMethod final : public FormFactorMethod {
   }
 
   // Evenly among all partners, so that the sum over a row keeps the tolerance.
-  // it.
   [[nodiscard]] double allowed_error(std::uint32_t i, std::uint32_t j) const {
     const double evenly = 1.0 / static_cast<double>(mesh_.radiating_count);
     return options_.tolerance * std::min(mesh_.areas[i], mesh_.areas[j]) * evenly;
@@ -216,17 +239,28 @@ class AdaptiveMethod final : public FormFactorMethod {
                                           Workspace& work) const {
     const Shaft shaft(bounds_[receiver], bounds_[source]);
     work.blocks.assign(mesh_.patch_count(), 0);
+    work.between.clear();
     for (std::uint32_t p = 0; p < mesh_.patch_count(); ++p) {
       const bool between = p != receiver && p != source && !shaft.misses(bounds_[p]) &&
                            reaches_front(mesh_.polygon(p), planes_[receiver], tolerance_) &&
                            reaches_front(mesh_.polygon(p), planes_[source], tolerance_);
       work.blocks[p] = between ? 1 : 0;
+      if (between && !touches(p, receiver)) work.between.push_back(bounds_[p]);
     }
     std::vector<Vec3d> visible_part;
     clip_polygon(mesh_.polygon(receiver), planes_[source], 0, visible_part);
     if (visible_part.size() < 3) return {};
-    return Halving(*work.sight, work.blocks, source, mesh_.normals[receiver])
+    const double open = unobstructed(mesh_.polygon(receiver), mesh_.polygon(source), work).exchange;
+    return Halving(*work.sight, work.blocks, work.between, source, mesh_.normals[receiver],
+                   open / mesh_.areas[receiver])
         .integrate(visible_part, allowed, options_.most_cells);
+  }
+
+  /// Whether a patch stands on another's plane: its shadow begins there and widens.
+  [[nodiscard]] bool touches(std::uint32_t patch, std::uint32_t other) const {
+    const auto polygon = mesh_.polygon(patch);
+    return std::any_of(polygon.begin(), polygon.end(),
+                       [&](const Vec3d& v) { return std::abs(planes_[other].distance(v)) <= tolerance_; });
   }
 
   const PatchMesh& mesh_;

@@ -8,28 +8,28 @@ namespace penumbra {
 namespace {
 
 constexpr int nodes = 4;
-// Errors of the rule where the integrand has kinks, of degree 2 and 3's size: where the view opens or closes slowly, and
-// where it does so between two nodes at once, as it may across two shadow lines.
+// Errors of the rule where the integrand has kinks, of degree 2 and 3's size: where the view opens or closes slowly,
+// and where it does so between two nodes at once, as it may across two shadow lines.
 constexpr double kink_share = 0.2, step_share = 1;
-// What the nodes may overlook, of the open exchange: a strip up to the first node (0.069), where the view opens linearly;
-// of a narrower strip's width: there it may open at once; between two lines all, up to the gap of two nodes.
+// What the nodes may overlook, of the open exchange: a strip up to the first node (0.069), where the view opens
+// linearly; of a narrower strip's width: there it may open at once; between two lines all, up to the gap of two nodes.
 constexpr double overlooked_share = 3e-3, overlooked_strip = 0.1, overlooked_step = 0.17, overlooked_step_strip = 0.5;
-constexpr double first_node = 0.05;        // a line closer to the rim than about this is not seen by the nodes
-constexpr double expected_share = 0.25;    // the mean error is at most this share of the estimate for slow views
-constexpr double touching = 1e-6;          // of a cell's size
+constexpr double first_node = 0.05;            // a line closer to the rim than about this is not seen by the nodes
+constexpr double expected_share = 0.25;        // the mean error is at most this share of the estimate for slow views
+constexpr double touching = 1e-6;              // of a cell's size
 constexpr double layer = 2, layer_growth = 4;  // where layers end, in an edge's heights over the receiver
-constexpr std::size_t most_lined = 64;     // edges whose shadow lines are looked for
-constexpr std::size_t most_meeting = 48;   // edges whose meetings are looked for
-constexpr double negligible_balance = 1e-5;  // what such a rim can add is below notice
-constexpr double loose_tolerance = 0.01;     // relative
-constexpr double open_share = 0.2;           // of the allowed error, that of the exchange without occluders
-constexpr double exact_share = 1e-12;        // error of the closed form as a share of the smaller area
+constexpr std::size_t most_lined = 64;         // edges whose shadow lines are looked for
+constexpr std::size_t most_meeting = 48;       // edges whose meetings are looked for
+constexpr double negligible_balance = 1e-5;    // what such a rim can add is below notice
+constexpr double loose_tolerance = 0.01;       // relative
+constexpr double open_share = 0.2;             // of the allowed error, that of the exchange without occluders
+constexpr double exact_share = 1e-12;          // error of the closed form as a share of the smaller area
 // Of the exchange without blockers, and of what may be missed: next to nothing is nothing. Where a wall's corners meet
 // those of its neighbours, moved by 1e-8 of their size, a closed room would let that through.
 constexpr double seam_share = 1e-6, seam_tolerance = 0.1;
 constexpr double first_cut_balance = 0.15;
 constexpr double shortest_edge = 1e-10;  // of a polygon's longest: where it was cut at a corner; it has no direction
-constexpr double least_balance = 1e-3;       // a shadow line closer than this share to a cell's rim does not split it
+constexpr double least_balance = 1e-3;   // a shadow line closer than this share to a cell's rim does not split it
 
 /// Legendre polynomials of degree 2 and 3 at the Gauss nodes, orthonormal on [0, 1].
 struct HighModes {
@@ -153,7 +153,7 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
 }
 
 /// Replaces what stands in the cell by the rule's sums over `points_`.
-void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink) {
+void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink_of_seen, const Cut& kink_of_hidden) {
   const std::size_t count =
       (points_.size() + VisibleFragments::group - 1) / VisibleFragments::group * VisibleFragments::group;
   for (auto* v : {&x_, &y_, &z_, &seen_, &hidden_})
@@ -169,16 +169,16 @@ void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink) {
   for (std::size_t k = 0; k < count; ++k) hidden_[k] -= seen_[k];
 
   constexpr std::size_t tensor = nodes * nodes;
-  const auto error_of = [&](const RuleError& e) {
+  const auto error_of = [&](const RuleError& e, const Cut& kink) {
     double expected = kink.balance > first_node ? kink_share * e.irregular : e.smooth;
     double possible = kink.balance > first_node ? (kink.lines > 1 ? step_share : kink_share) * e.irregular : e.smooth;
     expected = std::max(expected, open_factor_ * std::min(overlooked_share, overlooked_strip * kink.balance));
-    possible = std::max(possible, open_factor_ * (kink.lines > 1
-                                                      ? std::min(overlooked_step, overlooked_step_strip * kink.balance)
-                                                      : std::min(overlooked_share, overlooked_strip * kink.balance)));
+    possible = std::max(possible,
+                        open_factor_ * (kink.lines > 1 ? std::min(overlooked_step, overlooked_step_strip * kink.balance)
+                                                       : std::min(overlooked_share, overlooked_strip * kink.balance)));
     return std::max(expected_share * expected, caution_ * possible);
   };
-  const auto sum = [&](const std::vector<double>& values) {
+  const auto sum = [&](const std::vector<double>& values, const Cut& kink) {
     ExchangeEstimate e;
     for (std::size_t first = 0; first + tensor <= points_.size(); first += tensor) {
       double area = 0;
@@ -186,22 +186,23 @@ void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink) {
         e.exchange += points_[k].weight * values[k];
         area += points_[k].weight;
       }
-      e.error += std::abs(area) * error_of(rule_error(std::span(values).subspan(first, tensor)));
+      e.error += std::abs(area) * error_of(rule_error(std::span(values).subspan(first, tensor)), kink);
     }
     return e;
   };
-  cell.seen = sum(seen_);
-  cell.hidden = sum(hidden_);
+  cell.seen = sum(seen_, kink_of_seen);
+  cell.hidden = sum(hidden_, kink_of_hidden);
 }
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
+  constexpr Cut everywhere{nullptr, 1, 2}, somewhere{nullptr, 1, 1};
   Cut kink;
-  if (!uniform() && touches_pole(cell.polygon))
-    kink = {nullptr, 1, 2};
+  if (!uniform() && touches(cell.polygon, poles_))
+    kink = everywhere;
   else if (!uniform())
-    kink = all_lines_known_ ? best_cut(cell.polygon) : Cut{nullptr, 1, 1};
-  apply_rule(cell, kink);
+    kink = all_lines_known_ ? best_cut(cell.polygon) : somewhere;
+  apply_rule(cell, touches(cell.polygon, contacts_) ? everywhere : kink, kink);
 }
 
 /// The exchange without occluders, to within `allowed`.
@@ -219,6 +220,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   if (cells_.size() < 3) cells_.resize(3);
   cells_[0].polygon = receiver_;
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
+  find_poles();
   if (!uniform()) find_shadow_lines();
   if (!uniform() && relative < loose_tolerance && max_cells > 1) {
     if (best_cut(receiver_).balance > first_cut_balance && split(cells_[0], cells_[1], cells_[2])) {
@@ -234,12 +236,12 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
     hidden.add(cells_[k].hidden);
   }
   // What is hidden is integrated where that is smoother: of patches that touch the open exchange has a closed form.
-  const bool from_open = hidden.variance < seen.variance;
+  const bool from_open = hidden.error < seen.error;
   if (from_open) open_exchange(open_share * (allowed + relative * seen.exchange));
   const auto part = [from_open](Cell& cell) -> ExchangeEstimate& { return from_open ? cell.hidden : cell.seen; };
   Total sum = from_open ? hidden : seen;
   const auto total = [&] {
-    const double error = std::sqrt(std::max(0.0, sum.variance));
+    const double error = sum.error_with(caution_);
     return from_open ? ExchangeEstimate{std::max(0.0, open_.exchange - sum.exchange), open_.error + error}
                      : ExchangeEstimate{sum.exchange, error};
   };
@@ -261,7 +263,7 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
     evaluate(right);
     sum.add(part(left));
     sum.add(part(right));
-    sum.remove(part(worst));
+    sum.add(part(worst), -1);
     std::swap(worst, left);
     std::swap(left, right);
     std::push_heap(cells_.begin(), cells_.begin() + static_cast<std::ptrdiff_t>(count), better);
@@ -271,8 +273,8 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   sum = {};
   for (std::size_t k = 0; k < count; ++k) sum.add(part(cells_[k]));
   ExchangeEstimate result = total();
-  if (!uniform() && result.exchange <= std::min(seam_share * open_.exchange,
-                                                seam_tolerance * (allowed + relative * open_.exchange))) {
+  if (!uniform() && result.exchange <=
+                        std::min(seam_share * open_.exchange, seam_tolerance * (allowed + relative * open_.exchange))) {
     result.error += result.exchange;
     result.exchange = 0;
   }
@@ -281,7 +283,6 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
 
 void ObstructedExchange::find_shadow_lines() {
   lines_.clear();
-  find_poles();
   const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
     const Vec3d across = cross(from - pole, to - pole);
     const double size = length(across);
@@ -294,7 +295,8 @@ void ObstructedExchange::find_shadow_lines() {
   for (const Silhouette::Turning& t : silhouette_.turning()) turning_[t.plane] = true;
   for (std::size_t k = 0; k < turning_.size(); ++k) {
     const Plane3& plane = silhouette_.planes()[k];
-    if (turning_[k] && is_cut(receiver_, plane) && is_cut(source_, plane)) lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::edge_on});
+    if (turning_[k] && is_cut(receiver_, plane) && is_cut(source_, plane))
+      lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::edge_on});
   }
   all_lines_known_ = silhouette_.edges().size() <= most_meeting;
   if (all_lines_known_) find_meeting_lines();
@@ -335,19 +337,25 @@ void ObstructedExchange::find_layers(const Vec3d& from, const Vec3d& to) {
   }
 }
 
-/// Corners of the silhouette that stand on the receiver's plane: what is seen from beside one depends on the side.
+/// Corners of the silhouette and of the source that stand on the receiver's plane: what is seen from beside one depends
+/// on the side.
 void ObstructedExchange::find_poles() {
-  poles_.clear();
   const double least = touching * polygon_size(receiver_);
-  for (const Vec3d& v : silhouette_.vertices())
-    if (receiver_plane_.distance(v) <= least) poles_.push_back(v);
+  const auto find = [&](std::span<const Vec3d> corners, std::vector<Vec3d>& found) {
+    found.clear();
+    for (const Vec3d& v : corners)
+      if (receiver_plane_.distance(v) <= least) found.push_back(v);
+  };
+  find(silhouette_.vertices(), poles_);
+  find(source_, contacts_);
 }
 
-bool ObstructedExchange::touches_pole(std::span<const Vec3d> cell) const {
-  return std::any_of(poles_.begin(), poles_.end(), [&](const Vec3d& pole) {
+/// Whether one of some points in its plane is in a cell or on its outline.
+bool ObstructedExchange::touches(std::span<const Vec3d> cell, std::span<const Vec3d> points) const {
+  return std::any_of(points.begin(), points.end(), [&](const Vec3d& point) {
     for (std::size_t c = 0; c < cell.size(); ++c) {
       const Vec3d edge = cell[c + 1 == cell.size() ? 0 : c + 1] - cell[c];
-      const double outside = dot(cross(edge, pole - cell[c]), receiver_plane_.normal);
+      const double outside = dot(cross(edge, point - cell[c]), receiver_plane_.normal);
       if (outside < -touching * length_squared(edge)) return false;
     }
     return true;

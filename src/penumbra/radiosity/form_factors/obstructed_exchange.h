@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -23,12 +25,12 @@ struct ExchangeEstimate {
 /// The exchange of two polygons that see each other in part.
 ///
 /// The exact form factor from a point to the visible fragments of one polygon is integrated over the other by 4 x 4
-/// Gauss points, or that to its hidden part, which is taken from the exchange without occluders, where the estimate says
-/// that this is the smoother of the two. Where the estimated error is too large the polygon is cut along a shadow line (the trace of a plane
-/// through a corner of the source and an edge of the occluders' silhouette, or an edge of the source and an end of
-/// one): between those lines the integrand is smooth and Gauss converges fast; it has kinks across them. Where no
-/// shadow line is left it is halved. The worst piece goes first (Walton, NISTIR 6925, 2002, halves without looking for
-/// the lines).
+/// Gauss points, or that to its hidden part, which is taken from the exchange without occluders, where the estimate
+/// says that this is the smoother of the two. Where the estimated error is too large the polygon is cut along a shadow
+/// line (the trace of a plane through a corner of the source and an edge of the occluders' silhouette, or an edge of
+/// the source and an end of one): between those lines the integrand is smooth and Gauss converges fast; it has kinks
+/// across them. Where no shadow line is left it is halved. The worst piece goes first (Walton, NISTIR 6925, 2002,
+/// halves without looking for the lines).
 ///
 /// One object a thread.
 class ObstructedExchange {
@@ -41,8 +43,7 @@ class ObstructedExchange {
   /// enough (else from the closed form), and it is a scale for what Gauss points may overlook, and for what may come
   /// through a seam between blockers.
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
-                const Plane3& source_plane, std::span<const std::uint32_t> blockers,
-                const ExchangeEstimate& open);
+                const Plane3& source_plane, std::span<const std::uint32_t> blockers, const ExchangeEstimate& open);
 
   /// The same with a surface in between.
   void set_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane, std::span<const Vec3d> source,
@@ -69,9 +70,9 @@ class ObstructedExchange {
     ExchangeEstimate seen, hidden;
   };
   struct ShadowLine {
-    Plane3 plane;         // its trace on the receiver is the line
-    Vec3d pole;           // the corner, of source or occluder
-    Vec3d from, to;       // the edge
+    Plane3 plane;    // its trace on the receiver is the line
+    Vec3d pole;      // the corner, of source or occluder
+    Vec3d from, to;  // the edge
     enum class Kind {
       shadow,
       edge_on,  // an occluder's own plane
@@ -85,16 +86,18 @@ class ObstructedExchange {
     double balance = 0;
     int lines = 0;
   };
-  /// A sum over cells, whose errors have signs of their own: squares add up.
+  /// A sum over cells.
   struct Total {
-    double exchange = 0, variance = 0;
-    void add(const ExchangeEstimate& e) {
-      exchange += e.exchange;
-      variance += e.error * e.error;
+    double exchange = 0, error = 0, variance = 0;
+    void add(const ExchangeEstimate& e, double times = 1) {
+      exchange += times * e.exchange;
+      error += times * e.error;
+      variance += times * e.error * e.error;
     }
-    void remove(const ExchangeEstimate& e) {
-      exchange -= e.exchange;
-      variance -= e.error * e.error;
+    /// Errors have signs of their own, so that squares add up; with caution they need not.
+    [[nodiscard]] double error_with(double caution) const {
+      const double together = std::max(0.0, error), apart = std::sqrt(std::max(0.0, variance));
+      return apart + caution * (together - apart);
     }
   };
 
@@ -102,12 +105,12 @@ class ObstructedExchange {
                                std::span<const Vec3d> source, const Plane3& source_plane, const ExchangeEstimate& open);
   void find_shadow_lines();
   void evaluate(Cell& cell);
-  void apply_rule(Cell& cell, const Cut& kink);
+  void apply_rule(Cell& cell, const Cut& kink_of_seen, const Cut& kink_of_hidden);
   ExchangeEstimate open_exchange(double allowed);
   void find_meeting_lines();
   void find_poles();
   void find_layers(const Vec3d& from, const Vec3d& to);
-  [[nodiscard]] bool touches_pole(std::span<const Vec3d> cell) const;
+  [[nodiscard]] bool touches(std::span<const Vec3d> cell, std::span<const Vec3d> points) const;
   [[nodiscard]] Cut best_cut(std::span<const Vec3d> cell) const;
   bool split(const Cell& cell, Cell& left, Cell& right);
   [[nodiscard]] bool matters(const ShadowLine& line, std::span<const Vec3d> cell) const;
@@ -121,8 +124,8 @@ class ObstructedExchange {
   std::vector<Vec3d> receiver_, source_;
   Silhouette silhouette_;
   std::vector<ShadowLine> lines_;
-  std::vector<Vec3d> poles_;
-  std::vector<bool> turning_;  // per plane of the silhouette: an edge asks for it
+  std::vector<Vec3d> poles_, contacts_;  // corners of silhouette and source on the receiver's plane
+  std::vector<bool> turning_;            // per plane of the silhouette: an edge asks for it
   bool all_lines_known_ = false;
   double caution_ = 1;
   std::vector<WeightedPoint> points_;

@@ -112,8 +112,8 @@ std::uint32_t Silhouette::cut(int plane, std::uint32_t edge, std::uint32_t a, st
   return fresh;
 }
 
-/// Keeps the part of `ring_` on which the height over a plane is not negative. A corner on the plane is cut off as it is:
-/// two vertices in one place would seem to be apart.
+/// Keeps the part of `ring_` on which the height over a plane is not negative. A corner on the plane is cut off as it
+/// is: two vertices in one place would seem to be apart.
 void Silhouette::clip(int plane) {
   const auto which = static_cast<std::size_t>(plane);
   clipped_.clear();
