@@ -310,7 +310,8 @@ void AutoFormFactors::Impl::survey() {
   for_each([&](const Survey& row) {
     if (row.by_value > 0.25 * most.by_value) pairs = std::min(pairs, row.pairs);
   });
-  caution = std::min(1.0, cautious_pairs / std::max(1.0, pairs));
+  const double few = std::min(1.0, cautious_pairs / std::max(1.0, pairs));
+  caution = few * few;
   partial_by_area_all = partial_by_area / std::min(1.0, most.by_area);
   partial_by_value_all = partial_by_value / std::min(1.0, most.by_value);
 }
