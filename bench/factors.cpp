@@ -326,6 +326,7 @@ int largest_size(const std::string& method, bool quick) {
 
 constexpr int largest_in_memory = 32;  // beyond it rows are summed as the blocks pass by
 constexpr int largest_reference = 24;
+constexpr int largest_uneven = 6;  // by itself; --loose-sizes asks for more
 
 void run(const Arguments& arguments) {
   nlohmann::json out{{"bench", "factors"}, {"tolerance", arguments.tolerance}, {"threads", thread_count()}};
@@ -343,7 +344,11 @@ void run(const Arguments& arguments) {
     }
     for (std::size_t k = 0; k < arguments.methods.size(); ++k) {
       const std::string& method = arguments.methods[k];
-      if (n > largest_size(method, arguments.quick)) continue;
+      if (n > largest_size(method, arguments.quick)) {
+        out["skipped"].push_back(
+            {{"method", method}, {"scene", "box"}, {"n", n}, {"reason", "slow: minutes and more"}});
+        continue;
+      }
       Measured m = n > largest_in_memory ? measure_streamed(method, mesh, options)
                                          : measure(method, mesh, options, true, reference ? &*reference : nullptr);
       m.method = method;
@@ -366,6 +371,13 @@ void run(const Arguments& arguments) {
   for (const Loose& l : {Loose{"triangles", Pieces::triangles, true}, Loose{"unmerged", Pieces::triangles, false},
                          Loose{"uneven", Pieces::uneven, true}}) {
     for (int n : arguments.loose_sizes.empty() ? loose_sizes : arguments.loose_sizes) {
+      if (l.pieces == Pieces::uneven && arguments.loose_sizes.empty() && n > largest_uneven) {
+        out["skipped"].push_back({{"method", "auto"},
+                                  {"scene", l.scene},
+                                  {"n", n},
+                                  {"reason", "nearly all pairs are partly hidden: an hour and more"}});
+        continue;
+      }
       const PatchMesh mesh = room_with_box(n, l.pieces);
       FormFactorOptions options;
       options.tolerance = arguments.tolerance;
