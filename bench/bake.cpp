@@ -4,7 +4,7 @@
 // lamp), baked to a noise aimed at, against a reference of the same texels baked with many more rays: seconds, RMS
 // error relative to each surface's mean, and the worst surface. Then an atlas of 512 x 512.
 //
-//   bench_bake [--json FILE] [--quick]
+//   bench_bake [--json FILE] [--quick] [--noise R] [--denoise]
 
 #include <fmt/format.h>
 
@@ -15,6 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../tests/baking/quad_atlas.h"
@@ -72,13 +73,14 @@ Error compare(const LightmapAtlas& atlas, const Texels& texels, const TexelLight
 
 int main(int count, char** words) {
   std::string json_file;
-  bool quick = false;
+  bool quick = false, denoise = false;
   double noise = 0;
   for (int i = 1; i < count; ++i) {
     const std::string word = words[i];
     if (word == "--json" && i + 1 < count) json_file = words[++i];
     if (word == "--noise" && i + 1 < count) noise = std::stod(words[++i]);
     if (word == "--quick") quick = true;
+    if (word == "--denoise") denoise = true;
   }
   const Scene cornell = make_builtin_scene("cornell-box");
   std::vector<test::Quad> quads = test::quads_of(cornell, 64);
@@ -101,18 +103,25 @@ int main(int count, char** words) {
              texels.count(), fine.most_rays, fine_clock.seconds(), 100 * reference.noise);
   fmt::print("{:>9} {:>8} {:>8} {:>11} {:>8} {:>9} {:>9}  {}\n", "aimed %", "s", "CPU s", "rays/texel", "Mray/s",
              "RMS %", "worst %", "worst surface");
+  std::vector<std::pair<double, bool>> runs;
   for (const double aimed : noise > 0 ? std::vector<double>{noise} : std::vector<double>{0.04, 0.02, 0.01, 0.005}) {
+    runs.emplace_back(aimed, false);
+    if (denoise) runs.emplace_back(aimed, true);
+  }
+  for (const auto& [aimed, denoised] : runs) {
     TexelLightOptions options;
     options.noise = aimed;
+    options.denoise = denoised;
     const Clock clock;
     const TexelLight light = bake_texel_light(atlas, texels, options);
     const double seconds = clock.seconds(), cpu = clock.cpu_seconds();
     const Error e = compare(atlas, texels, light, reference);
-    fmt::print("{:9.2f} {:8.2f} {:8.2f} {:11.0f} {:8.1f} {:9.3f} {:9.3f}  {}   (says {:.3f}, {:.3f})\n", 100 * aimed,
+    fmt::print("{:9.2f} {:8.2f} {:8.2f} {:11.0f} {:8.1f} {:9.3f} {:9.3f}  {}   (says {:.3f}, {:.3f}){}\n", 100 * aimed,
                seconds, cpu, static_cast<double>(light.rays) / static_cast<double>(texels.count()),
                static_cast<double>(light.rays) / seconds / 1e6, 100 * e.rms, 100 * e.worst, e.worst_surface,
-               100 * light.noise, 100 * light.worst_noise);
+               100 * light.noise, 100 * light.worst_noise, denoised ? "  denoised" : "");
     out["cornell_61440"].push_back({{"aimed", aimed},
+                                    {"denoised", denoised},
                                     {"seconds", seconds},
                                     {"cpu_seconds", cpu},
                                     {"rays", light.rays},

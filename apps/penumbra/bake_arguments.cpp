@@ -6,6 +6,7 @@
 
 #include "lightmap_bake.h"
 #include "penumbra/file/output_file.h"
+#include "probe_bake.h"
 #include "report.h"
 #include "usage_error.h"
 
@@ -13,17 +14,44 @@ namespace penumbra::cli {
 namespace {
 
 constexpr double most_stops = 64;
+constexpr int most_probes_along = 1024;
+constexpr long long most_probes = 1'000'000;
 const std::vector<std::pair<std::string, std::string>> profiles{
-    {"unlit", "unlit"}, {"hdr", "hdr"}, {"lightmap", "lightmap"}, {"vertex", "vertex"}};
+    {"unlit", "unlit"}, {"hdr", "hdr"}, {"lightmap", "lightmap"}, {"vertex", "vertex"}, {"ao", "ao"}};
+
+/// "4x3x5".
+std::array<int, 3> grid_count(const OptionValue& value) {
+  std::array<int, 3> count{};
+  std::size_t begin = 0;
+  try {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t end = axis < 2 ? value.text.find('x', begin) : value.text.size();
+      if (end == std::string::npos) throw UsageError("too few");
+      count[axis] =
+          static_cast<int>(whole_number({"", value.text.substr(begin, end - begin)}, 1, most_probes_along, ""));
+      begin = end + 1;
+    }
+  } catch (const UsageError&) {
+    throw UsageError(fmt::format("{} takes NXxNYxNZ, each from 1 to {}, such as 8x4x8, not '{}'", value.option,
+                                 most_probes_along, value.text));
+  }
+  if (static_cast<long long>(count[0]) * count[1] * count[2] > most_probes) {
+    throw UsageError(fmt::format("{} {}: at most {} probes are made", value.option, value.text, most_probes));
+  }
+  return count;
+}
 
 void check_output(const BakeArguments& a) {
   if (a.output.empty()) throw UsageError("no file to write to; add -o OUT, such as -o solution.npz or -o lit.glb");
   const std::string extension = std::filesystem::path(a.output).extension().string();
-  const std::vector<std::string> known{".npz", ".csv", ".ply", ".vtu", ".glb"};
+  const std::vector<std::string> known{".npz", ".csv", ".ply", ".vtu", ".glb", ".json"};
   if (std::find(known.begin(), known.end(), extension) == known.end()) {
-    throw UsageError(fmt::format("-o {}: a solution is written as {}; end the name in one of them", a.output,
+    throw UsageError(fmt::format("-o {}: what was baked is written as {}; end the name in one of them", a.output,
                                  fmt::join(known, ", ")));
   }
+  if (a.probes && extension != ".json") throw UsageError("--probes are written as .json, such as -o probes.json");
+  if (!a.probes && extension == ".json")
+    throw UsageError("-o " + a.output + ": a .json holds probes; add --probes NXxNYxNZ");
   const bool coloured = a.snapshots || extension == ".glb" || extension == ".ply";
   if (a.profile && extension != ".glb") throw UsageError("--profile belongs to a .glb output");
   if (a.exposure && !coloured) {
@@ -35,13 +63,24 @@ void check_output(const BakeArguments& a) {
   check_creatable(a.output);
 }
 
-void check_lightmap(const BakeArguments& a) {
-  if (!a.makes_lightmap()) {
-    if (a.lightmap_size || a.texels_per_metre || a.noise) {
-      throw UsageError(fmt::format("--{} belongs to a .glb with --profile unlit, hdr or lightmap",
+/// A file that is written beside the output.
+void check_beside(const BakeArguments& a, const std::string& name, const char* what) {
+  check_creatable(name);
+  if (a.common.stats == name) {
+    throw UsageError(fmt::format("--stats names {}, which {}; give the report another name", name, what));
+  }
+}
+
+/// Options that belong to textures, or to solutions on elements.
+void check_kind(const BakeArguments& a) {
+  const BakeKind kind = a.kind();
+  if (kind == BakeKind::solution) {
+    if (a.lightmap_size || a.texels_per_metre || a.noise || a.opaque_shadows) {
+      throw UsageError(fmt::format("--{} belongs to a .glb with --profile unlit, hdr or lightmap, and to --probes",
                                    a.lightmap_size      ? "lightmap-size"
                                    : a.texels_per_metre ? "texels-per-metre"
-                                                        : "noise"));
+                                   : a.noise            ? "noise"
+                                                        : "opaque-shadows"));
     }
     return;
   }
@@ -51,18 +90,65 @@ void check_lightmap(const BakeArguments& a) {
   if (a.radiosity.given) {
     throw UsageError(
         "the options of the radiosity solver belong to --profile vertex and to .npz, .csv, .ply and .vtu; "
-        "the light of a texture is found texel by texel");
+        "the light of textures and probes is found texel by texel");
   }
   if (a.snapshots) throw UsageError("--snapshots belongs to --profile vertex and to .npz, .csv, .ply and .vtu");
-  if (a.profile != "lightmap") return;
-  if (a.exposure)
-    throw UsageError("--exposure does not apply to --profile lightmap, which holds the values themselves");
-  check_creatable(lightmap_picture_name(a.output));
-  check_creatable(lightmap_description_name(a.output));
-  if (a.common.stats == lightmap_description_name(a.output)) {
-    throw UsageError("--stats names " + *a.common.stats +
-                     ", which describes the lightmap; give the report another name");
+  if (a.exposure && (kind == BakeKind::occlusion || a.profile == "lightmap")) {
+    throw UsageError("--exposure does not apply to --profile " + *a.profile + ", which holds the values themselves");
   }
+}
+
+void check_lightmap(const BakeArguments& a) {
+  if (a.directional && a.profile != "lightmap") throw UsageError("--directional belongs to --profile lightmap");
+  if (a.denoise && a.kind() != BakeKind::lightmap) {
+    throw UsageError("--denoise belongs to a .glb with --profile unlit, hdr or lightmap");
+  }
+  if (a.profile != "lightmap") return;
+  check_beside(a, lightmap_picture_name(a.output), "holds the lightmap");
+  check_beside(a, lightmap_description_name(a.output), "describes the lightmap");
+  if (a.directional) check_beside(a, directional_picture_name(a.output), "holds the directional lightmap");
+}
+
+void check_occlusion(const BakeArguments& a) {
+  if (a.kind() != BakeKind::occlusion) {
+    if (a.occlusion_distance) throw UsageError("--ao-distance belongs to --profile ao");
+    return;
+  }
+  const char* const of_light = a.noise                    ? "--noise"
+                               : a.opaque_shadows         ? "--opaque-shadows"
+                               : a.scene.environment      ? "--environment"
+                               : a.scene.photometric      ? "--photometric"
+                               : a.scene.front_sides_only ? "--sides"
+                                                          : nullptr;
+  if (of_light != nullptr) {
+    throw UsageError(
+        fmt::format("{} does not apply to --profile ao, which asks what is open, not what shines", of_light));
+  }
+}
+
+void check_probes(const BakeArguments& a) {
+  if (!a.probes) {
+    if (a.probe_bounds) throw UsageError("--probe-bounds belongs to --probes");
+    return;
+  }
+  check_beside(a, probe_arrays_name(a.output), "holds the probes");
+}
+
+void add_probe_options(OptionParser& parser, BakeArguments& a) {
+  parser.group("Probes");
+  parser.value("--probes", "NXxNYxNZ",
+               "light at points in space instead, for things that move: spherical harmonics of order 2 on a grid of so "
+               "many points along x, y and z, as -o OUT.json, with OUT.npz beside it",
+               [&](const OptionValue& v) { a.probes = grid_count(v); });
+  parser.value("--probe-bounds", "x0,y0,z0,x1,y1,z1",
+               "the grid's outermost probes, m (default: the middles of even cells of the scene's bounds)",
+               [&](const OptionValue& v) {
+                 const auto n = number_list(v, 6, "two corners, m, such as 0,0,0,5,3,4");
+                 a.probe_bounds = Bounds{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+                 if (glm::any(glm::greaterThan(a.probe_bounds->lower, a.probe_bounds->upper))) {
+                   throw UsageError("--probe-bounds takes the lower corner first, not '" + v.text + "'");
+                 }
+               });
 }
 
 void add_lightmap_options(OptionParser& parser, BakeArguments& a) {
@@ -88,6 +174,18 @@ void add_lightmap_options(OptionParser& parser, BakeArguments& a) {
                    throw UsageError("--noise takes a number between 0 and 1, not '" + v.text + "'");
                  }
                });
+  parser.flag("--denoise",
+              "with --profile unlit, hdr and lightmap: smooth what rays bring where neighbouring texels agree within "
+              "their noise, never across creases and charts (default: left as it is)",
+              a.denoise);
+  parser.flag("--directional",
+              "with --profile lightmap: also the directions that light comes from, OUT-directional.exr (spherical "
+              "harmonics of order 1)",
+              a.directional);
+  parser.value("--ao-distance", "M", "with --profile ao: what is farther does not darken, m (default: no limit)",
+               [&](const OptionValue& v) { a.occlusion_distance = number_above_zero(v, "a length above 0, m"); });
+  parser.flag("--opaque-shadows", "glass stops the shadow rays of points, spots and suns (default: it attenuates them)",
+              a.opaque_shadows);
 }
 
 void add_checkpoint_options(OptionParser& parser, BakeArguments& a) {
@@ -103,9 +201,9 @@ void add_checkpoint_options(OptionParser& parser, BakeArguments& a) {
 
 void check_checkpoint(const BakeArguments& a) {
   if (!a.checkpoint && !a.resume) return;
-  if (a.makes_lightmap()) {
+  if (a.kind() != BakeKind::solution) {
     throw UsageError(
-        fmt::format("{} does not apply to --profile unlit, hdr and lightmap; it belongs to solutions on "
+        fmt::format("{} does not apply to textures and probes; it belongs to solutions on "
                     "elements: .npz, .csv, .ply, .vtu or --profile vertex",
                     a.resume ? "--resume" : "--checkpoint"));
   }
@@ -160,9 +258,12 @@ void check_snapshots(const BakeArguments& a) {
 
 }  // namespace
 
-bool BakeArguments::makes_lightmap() const {
-  if (std::filesystem::path(output).extension() != ".glb") return false;
-  return profile ? *profile != "vertex" : !radiosity.given && !snapshots;
+BakeKind BakeArguments::kind() const {
+  if (probes) return BakeKind::probes;
+  if (std::filesystem::path(output).extension() != ".glb") return BakeKind::solution;
+  if (profile == "ao") return BakeKind::occlusion;
+  const bool on_elements = profile ? *profile == "vertex" : radiosity.given || snapshots;
+  return on_elements ? BakeKind::solution : BakeKind::lightmap;
 }
 
 std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>& arguments) {
@@ -171,13 +272,14 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
   parser.group("Output");
   parser.value("-o,--output", "OUT",
                "the file to write: .npz or .csv (the solution, a row for each side of an element), .ply or .vtu (the "
-               "elements with their values), or .glb (for viewers)",
+               "elements with their values), .glb (for viewers), or .json (probes)",
                [&](const OptionValue& v) { result.output = v.text; });
   parser.value(
-      "--profile", "unlit|hdr|lightmap|vertex",
+      "--profile", "unlit|hdr|lightmap|vertex|ao",
       "how a .glb carries the light: unlit is a texture of albedo times light, cut at 1, that every viewer "
       "shows; hdr the same as emission, not cut; lightmap leaves the materials and adds a texture of irradiance "
-      "(and OUT-lightmap.exr, OUT-lightmap.json); vertex is radiance B / pi as vertex colours of the elements "
+      "(and OUT-lightmap.exr, OUT-lightmap.json); vertex is radiance B / pi as vertex colours of the elements; ao "
+      "leaves materials and lights and adds ambient occlusion as their occlusion texture "
       "(default: unlit, or vertex where options of the solver or of snapshots are given)",
       [&](const OptionValue& v) { result.profile = choice<std::string>(v, profiles); });
   parser.value("--exposure", "EV",
@@ -189,6 +291,7 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
                  }
                });
   add_lightmap_options(parser, result);
+  add_probe_options(parser, result);
   add_radiosity_options(parser, result.radiosity);
   add_checkpoint_options(parser, result);
   add_snapshot_options(parser, result);
@@ -201,7 +304,10 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
   check(result.scene);
   check(result.radiosity);
   check_output(result);
+  check_kind(result);
   check_lightmap(result);
+  check_occlusion(result);
+  check_probes(result);
   check_checkpoint(result);
   check_snapshots(result);
   check_report(result.common);

@@ -10,7 +10,9 @@
 #include "exit_code.h"
 #include "interrupt.h"
 #include "lightmap_bake.h"
+#include "occlusion_bake.h"
 #include "penumbra/parallel/parallel_for.h"
+#include "probe_bake.h"
 #include "report.h"
 #include "run_limits.h"
 #include "scene_options.h"
@@ -163,7 +165,7 @@ int bake_scene(const BakeArguments& arguments) {
   const Stopwatch write_watch;
   console.progress("write", 0);
   std::vector<std::string> said =
-      write_solution(arguments.output, diffuse_solution(scene, setup->mesh, solved.solution), scene,
+      write_solution(arguments.output, diffuse_solution(scene, setup->mesh, solved.solution, solved.caustics), scene,
                      {arguments.exposure.value_or(0), arguments.scene.photometric});
   for (std::string& sentence : remarks(arguments, solved)) said.push_back(std::move(sentence));
   console.warn(said);
@@ -180,7 +182,17 @@ int bake_scene(const BakeArguments& arguments) {
 int run_bake(const std::vector<std::string>& arguments) {
   const auto parsed = parse_bake_arguments(arguments);
   if (!parsed) return exit_done;
-  return parsed->makes_lightmap() ? bake_lightmap(*parsed) : bake_scene(*parsed);
+  switch (parsed->kind()) {
+    case BakeKind::lightmap:
+      return bake_lightmap(*parsed);
+    case BakeKind::occlusion:
+      return bake_occlusion(*parsed);
+    case BakeKind::probes:
+      return bake_probe_grid(*parsed);
+    case BakeKind::solution:
+      break;
+  }
+  return bake_scene(*parsed);
 }
 
 }  // namespace penumbra::cli

@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <utility>
+
 #include "command.h"
 #include "console.h"
 #include "exit_code.h"
@@ -41,9 +43,11 @@ DiffuseSolution solve_for(const RenderArguments& arguments, const Scene& scene, 
   const auto setup = make_radiosity_setup(
       scene, setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed), progress);
   console.warn(setup->warnings);
+  if (!arguments.render.caustics) leave_caustics_out(*setup);
   SolverOptions options = solver_options(arguments.radiosity);
   options.progress = progress;
-  return diffuse_solution(scene, setup->mesh, solve(*setup, options).solution);
+  SceneRadiosity solved = solve(*setup, options);
+  return diffuse_solution(scene, setup->mesh, solved.solution, std::move(solved.caustics));
 }
 
 /// A picture with the light of a solution.
@@ -51,7 +55,7 @@ Drawn show_two_pass(const RenderArguments& arguments, const RayTracer& tracer, c
                     const Camera& camera, const Progress& progress, const Stopwatch& watch) {
   const MadePatchMesh faces = make_element_faces(tracer.scene(), PatchSides::both, MeshingOptions{}.shape_segments);
   const LampIrradiance lamps(tracer.scene(), faces.mesh);
-  const SolutionLight light(tracer.scene(), solution.mesh, solution.irradiance, lamps);
+  const SolutionLight light(tracer, solution.mesh, solution.irradiance, solution.caustics, lamps);
   Drawn drawn;
   drawn.solve_seconds = watch.seconds();
   drawn.result = render(tracer, light, camera, arguments.render, progress);
@@ -146,7 +150,8 @@ Report report_on(const RenderArguments& arguments, const RenderResult& result, c
       {"triangles", tracer.triangle_count()},
       {"threads", thread_count()},
       {"peak_rss_bytes", peak_memory()},
-      {"image", {{"width", arguments.render.width}, {"height", arguments.render.height}, {"spp_mean", result.mean_samples}}},
+      {"image",
+       {{"width", arguments.render.width}, {"height", arguments.render.height}, {"spp_mean", result.mean_samples}}},
       {"partial", result.partial}};
   if (result.particles) report["particles"] = report_on(*result.particles);
   return report;

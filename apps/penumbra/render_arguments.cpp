@@ -40,6 +40,7 @@ struct Given {
   std::optional<int> samples, max_depth;
   std::optional<double> min_throughput;
   std::optional<int> final_gather;
+  bool no_caustics = false;
 };
 
 Region region(const OptionValue& value) {
@@ -127,6 +128,11 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
                "roulette there (default: 0.001)",
                [&](const OptionValue& v) { given.min_throughput = throughput(v); });
   add_shadow_options(parser, arguments.shadows);
+  parser.flag(
+      "--no-caustics",
+      "path, two-pass and radiosity: leave out light that reaches rough surfaces from lights by way of mirrors and "
+      "glass (default: it is there; path finds it with much noise)",
+      given.no_caustics);
   parser.value(
       "--final-gather", "N",
       "two-pass: gather indirect light by N rays a sample, for crisp contact shadows (default: 0, interpolated "
@@ -154,6 +160,9 @@ void check_solution_options(const RenderArguments& a) {
   if (!a.shows_radiosity() && a.flat) refuse("--flat", "radiosity");
   if (!a.shows_radiosity() && a.outlines) refuse("--outlines", "radiosity");
   if (!a.needs_solution() && a.solution) refuse("--solution", "radiosity and two-pass");
+  if (a.solution && !a.render.caustics) {
+    throw UsageError("--no-caustics does not apply to --solution, in which they are; leave --solution away");
+  }
   if (!a.needs_solution() && a.radiosity.given) refuse("--solver and its options", "radiosity and two-pass");
   if (!a.needs_solution()) return;
   if (a.solution && a.radiosity.given) {
@@ -186,6 +195,11 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   if (light && options.noise > 0) refuse("--noise", "whose particles go where the light does");
   if (light && options.filter != FilterKind::box) refuse("--filter", "whose pixels count particles");
   if (light && !options.aovs.empty()) refuse("--aov", "which sends no rays from the eye");
+  const bool has_caustics = path || two_pass || radiosity;
+  if (!has_caustics && given.no_caustics) {
+    refuse("--no-caustics", light ? "whose particles bring them along" : "which has none");
+  }
+  options.caustics = !given.no_caustics;
   options.final_gather = given.final_gather.value_or(0);
   options.max_depth = given.max_depth.value_or(options.max_depth);
   options.min_throughput = given.min_throughput.value_or(options.min_throughput);

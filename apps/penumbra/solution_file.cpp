@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/tonemap.h"
@@ -59,10 +60,12 @@ PolygonCells cells_of(const DiffuseSolution& s, const ColourScale& scale, std::v
 
 }  // namespace
 
-DiffuseSolution diffuse_solution(const Scene& scene, const PatchMesh& mesh, const RadiositySolution& solution) {
+DiffuseSolution diffuse_solution(const Scene& scene, const PatchMesh& mesh, const RadiositySolution& solution,
+                                 std::vector<double> caustics) {
   DiffuseSolution s{.mesh = mesh,
                     .irradiance = solution.irradiance,
                     .radiosity = solution.radiosity,
+                    .caustics = std::move(caustics),
                     .object_names = {},
                     .partial = solution.partial,
                     .scene = fingerprint(scene)};
@@ -80,6 +83,7 @@ ElementTable element_table(const DiffuseSolution& s) {
   t.emission = s.mesh.emission;
   t.irradiance = s.irradiance;
   t.radiosity = s.radiosity;
+  t.caustics = s.caustics;
   t.partial = s.partial;
   t.fingerprints = {to_text(s.scene.ways), to_text(s.scene.light)};
   t.vertices = s.mesh.vertices;
@@ -117,6 +121,7 @@ DiffuseSolution read_solution(const std::string& path, const Scene& scene) {
   s.mesh.emission = t.emission;
   s.irradiance = t.irradiance;
   s.radiosity = t.radiosity;
+  s.caustics = t.caustics;
   s.partial = t.partial;
   std::map<std::string, std::uint32_t> number_of;
   for (std::size_t i = 0; i < t.rows(); ++i) {

@@ -14,6 +14,7 @@ struct DiffuseSolution {
   PatchMesh mesh;                         ///< each patch an element and a surface
   std::vector<double> irradiance;         ///< from everywhere, [element * 3 + band], W/m^2
   std::vector<double> radiosity;          ///< W/m^2
+  std::vector<double> caustics;           ///< SceneRadiosity::caustics; empty: none, or not known
   std::vector<std::string> object_names;  ///< by the objects' numbers in the mesh's surfaces
   bool partial = false;
   SceneFingerprint scene;  ///< of the scene that it is of
@@ -21,7 +22,7 @@ struct DiffuseSolution {
 
 /// Of a scene that was just solved.
 [[nodiscard]] DiffuseSolution diffuse_solution(const Scene& scene, const PatchMesh& mesh,
-                                               const RadiositySolution& solution);
+                                               const RadiositySolution& solution, std::vector<double> caustics = {});
 
 /// As columns, for .npz and .csv.
 [[nodiscard]] ElementTable element_table(const DiffuseSolution& solution);

@@ -136,7 +136,7 @@ TEST(Openness, FloorBesideAWall) {
   scene.materials = {matt(0.5)};
   const LightmapAtlas atlas = test::quad_atlas(scene, quads);
   const Texels texels = make_texels(atlas);
-  const std::vector<float> open = openness_of_texels(atlas, texels, {.rays = 1024});
+  const std::vector<float> open = openness_of_texels(atlas, texels, {.rays = 1024}).open;
   double squares = 0, count = 0;
   for (std::size_t t = 0; t < texels.count(); ++t) {
     if (atlas.chart_of_triangle[texels.triangles[t]] != 0) continue;
@@ -145,7 +145,7 @@ TEST(Openness, FloorBesideAWall) {
   }
   EXPECT_LT(std::sqrt(squares / count), 0.003);
   // What is farther than the distance does not hide.
-  const std::vector<float> near = openness_of_texels(atlas, texels, {.distance = 0.3});
+  const std::vector<float> near = openness_of_texels(atlas, texels, {.distance = 0.3}).open;
   for (std::size_t t = 0; t < texels.count(); ++t) {
     const bool is_far = atlas.chart_of_triangle[texels.triangles[t]] == 0 && texels.positions[t].x > 0.3;
     if (is_far) {

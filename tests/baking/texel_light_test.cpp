@@ -11,6 +11,7 @@
 #include "baking/quad_atlas.h"
 #include "penumbra/math/spectrum.h"
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/tracing/shading/fresnel.h"
 #include "radiosity/enclosure_table.h"
 #include "radiosity/scene_makers.h"
 #include "radiosity/shadow_floor.h"
@@ -372,6 +373,30 @@ TEST(TexelLight, GlassOfIndexOneChangesNothing) {
   quads.push_back({{Vec3d(0, 0.5, 0), {0, 0.5, 1}, {1, 0.5, 1}, {1, 0.5, 0}}, 2, 4, 4, "pane"});
   const Baked with = bake(lit_by(materials), quads, {.noise = 0.004});
   for (std::uint32_t c = 0; c < 6; ++c) EXPECT_NEAR(with.mean(c) / without.mean(c), 1, 0.004) << c;
+}
+
+TEST(TexelLight, LampsWithoutABodyShineThroughGlassAsInARender) {
+  // A point above a thin pane: at each texel the pane passes (1 - R) / (1 + R) of its colour, R at the angle there.
+  Material glass;
+  glass.base_colour = Rgb(0.9F);
+  glass.transmission = 1;
+  glass.thin_walled = true;
+  glass.roughness = 0;
+  Scene scene = lit_by({matt(0), glass});
+  add_point(scene, {0.5, 2, 0.5}, 10);
+  const Quad floor{{Vec3d(0), {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}};
+  const Quad pane{{Vec3d(-1, 0.5, -1), {-1, 0.5, 2}, {2, 0.5, 2}, {2, 0.5, -1}}, 1, 4, 4, "pane"};
+  const Baked open = bake(scene, {floor}), through = bake(scene, {floor, pane});
+  const Baked stopped = bake(scene, {floor, pane}, {.opaque_shadows = true});
+  for (std::size_t t = 0; t < open.texels.count(); ++t) {
+    const Vec3d way = Vec3d(0.5, 2, 0.5) - open.texels.positions[t];
+    const double reflected = fresnel_dielectric(way.y / length(way), 1, 1.5).mean();
+    const double passed = 0.9 * (1 - reflected) / (1 + reflected);
+    std::size_t same = 0;  // the texel of the floor at the same place
+    while (length(through.texels.positions[same] - open.texels.positions[t]) > 1e-6) ++same;
+    EXPECT_NEAR(through.direct(same) / open.direct(t), passed, 1e-3);
+    EXPECT_EQ(stopped.direct(same), 0);
+  }
 }
 
 TEST(TexelLight, LampsShineThroughHoles) {

@@ -147,18 +147,23 @@ class PaintedRows {
 
 }  // namespace
 
-AtlasLight make_atlas_light(const LightmapAtlas& atlas, const Texels& texels, std::span<const float> irradiance,
+AtlasLight make_atlas_light(const LightmapAtlas& atlas, const Texels& texels, std::span<const float> values,
                             const AtlasLightOptions& options) {
-  assert(irradiance.size() == 3 * texels.count());
-  AtlasLight light{.image = Image(atlas.width, atlas.height), .map = make_chart_map(atlas, texels), .covered = {}};
+  const std::size_t channels = options.channels.size();
+  assert(values.size() == channels * texels.count());
+  AtlasLight light{.image = Image(atlas.width, atlas.height, options.channels),
+                   .map = make_chart_map(atlas, texels, options.buried),
+                   .covered = {}};
   light.covered = light.map.known;
   for (std::size_t i = 0; i < texels.count(); ++i) {
-    for (std::size_t b = 0; b < 3; ++b) light.image.data[3 * texels.pixels[i] + b] = irradiance[3 * i + b];
+    for (std::size_t c = 0; c < channels; ++c) {
+      light.image.data[channels * texels.pixels[i] + c] = values[channels * i + c];
+    }
   }
-  dilate(light.map, light.image.data, 3, 1);
+  dilate(light.map, light.image.data, channels, 1);
   if (options.stitch) {
     stitch_seams(find_seams(atlas, options.crease_angle), atlas.width, atlas.height, light.covered, light.image.data,
-                 3);
+                 channels, options.lowest);
   }
   return light;
 }

@@ -13,18 +13,32 @@ namespace penumbra {
 namespace {
 
 /// Appends a picture and a texture that reads it without leaving it.
-std::uint32_t add_texture(Scene& scene, const Image& image, float scale) {
-  scene.images.push_back({.name = "baked-light",
+std::uint32_t add_texture(Scene& scene, const Image& image, const char* name, std::vector<std::uint8_t> texels) {
+  scene.images.push_back({.name = name,
                           .width = image.width,
                           .height = image.height,
                           .channels = static_cast<int>(image.channels.size()),
-                          .texels = dithered_srgb8(image, scale)});
+                          .texels = std::move(texels)});
   scene.textures.push_back({.image = static_cast<std::uint32_t>(scene.images.size() - 1),
                             .wrap_u = Wrap::clamp,
                             .wrap_v = Wrap::clamp,
                             .filter = TexelFilter::linear,
                             .mipmaps = false});
   return static_cast<std::uint32_t>(scene.textures.size() - 1);
+}
+
+std::uint32_t add_light(Scene& scene, const Image& image, float scale) {
+  return add_texture(scene, image, "baked-light", dithered_srgb8(image, scale));
+}
+
+/// Shares of 1 as they are, without a curve.
+std::uint32_t add_shares(Scene& scene, const Image& image) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(image.data.size());
+  for (const float share : image.data) {
+    bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0F, 1.0F))));
+  }
+  return add_texture(scene, image, "ambient-occlusion", std::move(bytes));
 }
 
 /// What is left of a material when its looks are replaced.
@@ -53,7 +67,7 @@ void use_atlas_only(Scene& scene) {
 
 void dress_unlit(Scene& scene, const AtlasLight& light, double exposure) {
   use_atlas_only(scene);
-  const TextureRef atlas{.texture = add_texture(scene, light.image, static_cast<float>(std::exp2(exposure)))};
+  const TextureRef atlas{.texture = add_light(scene, light.image, static_cast<float>(std::exp2(exposure)))};
   for (Material& material : scene.materials) {
     material = shell_of(material);
     material.base_colour = Rgb(1.0F);
@@ -99,7 +113,7 @@ void dress_hdr(LightmapAtlas& atlas, AtlasLight& light, double exposure) {
   const std::vector<float> strength = normalise(atlas, light);
   Scene& scene = atlas.scene;
   use_atlas_only(scene);
-  const TextureRef texture{.texture = add_texture(scene, light.image, 1)};
+  const TextureRef texture{.texture = add_light(scene, light.image, 1)};
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     Material& material = scene.materials[m];
     material = shell_of(material);
@@ -133,8 +147,12 @@ std::map<std::string, std::string> notes_on(BakeProfile profile, double exposure
       notes["profile"] = "lightmap";
       notes["quantity"] = "irradiance in W/m^2, in TEXCOORD_1; radiance = emission + albedo x irradiance / pi";
       break;
+    case BakeProfile::occlusion:
+      notes["profile"] = "ao";
+      notes["quantity"] = "share of the projected solid angle that is open, linear, in TEXCOORD_1";
+      break;
   }
-  if (profile != BakeProfile::lightmap) notes["exposure_ev"] = fmt::format("{}", exposure);
+  if (profile == BakeProfile::unlit || profile == BakeProfile::hdr) notes["exposure_ev"] = fmt::format("{}", exposure);
   return notes;
 }
 
@@ -143,8 +161,10 @@ std::map<std::string, std::string> notes_on(BakeProfile profile, double exposure
 BakedScene baked_scene(LightmapAtlas atlas, AtlasLight light, BakeProfile profile, double exposure) {
   BakedScene baked;
   baked.notes = notes_on(profile, exposure, atlas);
-  atlas.scene.lights.clear();
-  atlas.scene.environment.reset();
+  if (profile != BakeProfile::occlusion) {
+    atlas.scene.lights.clear();
+    atlas.scene.environment.reset();
+  }
   switch (profile) {
     case BakeProfile::unlit:
       dress_unlit(atlas.scene, light, exposure);
@@ -154,8 +174,11 @@ BakedScene baked_scene(LightmapAtlas atlas, AtlasLight light, BakeProfile profil
       break;
     case BakeProfile::lightmap:
       baked.lightmap_strength = std::max(largest(light.image), 1e-30F);
-      baked.lightmap = add_texture(atlas.scene, light.image, 1 / baked.lightmap_strength);
+      baked.lightmap = add_light(atlas.scene, light.image, 1 / baked.lightmap_strength);
       baked.notes["lightmap_strength"] = fmt::format("{:.9g}", baked.lightmap_strength);
+      break;
+    case BakeProfile::occlusion:
+      baked.lightmap = add_shares(atlas.scene, light.image);
       break;
   }
   baked.scene = std::move(atlas.scene);

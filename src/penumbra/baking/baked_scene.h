@@ -13,16 +13,17 @@ namespace penumbra {
 
 /// How a file carries baked light.
 enum class BakeProfile {
-  unlit,     ///< the picture of the light itself, cut at 1: every viewer shows it
-  hdr,       ///< the same as emission with a strength, so that nothing is cut
-  lightmap,  ///< the materials as they were, light apart: for engines that multiply the two
+  unlit,      ///< the picture of the light itself, cut at 1: every viewer shows it
+  hdr,        ///< the same as emission with a strength, so that nothing is cut
+  lightmap,   ///< the materials as they were, light apart: for engines that multiply the two
+  occlusion,  ///< materials and lights as they were, and how open the surface is
 };
 
 /// A scene to be written: objects, triangles, materials and their names are the input's.
 struct BakedScene {
   Scene scene;
   std::map<std::string, std::string> notes;  ///< what the numbers mean, for the file's extras
-  std::optional<std::uint32_t> lightmap;     ///< of BakeProfile::lightmap: index into Scene::textures
+  std::optional<std::uint32_t> lightmap;     ///< of lightmap and occlusion: index into Scene::textures
   float lightmap_strength = 1;               ///< W/m^2 of a texel that is 1
 };
 
@@ -32,8 +33,9 @@ struct BakedScene {
 /// - unlit: texels are radiance x 2^exposure, cut at 1, as unlit base colour in TEXCOORD_0, dithered 8-bit sRGB.
 /// - hdr: the same, not cut: each material's emission is a texture times the largest radiance among its faces.
 /// - lightmap: a texture of irradiance over `lightmap_strength` in TEXCOORD_1; materials and TEXCOORD_0 stay.
-/// @param light radiance for unlit and hdr (turn_into_radiance), irradiance for lightmap; gaps filled.
-/// @param exposure stops (EV); not applied to lightmap.
+/// - occlusion: a linear texture of one channel in TEXCOORD_1; lamps stay too.
+/// @param light radiance for unlit and hdr (turn_into_radiance), irradiance for lightmap, openness for occlusion; gaps
+/// filled. @param exposure stops (EV); not applied to lightmap and occlusion.
 [[nodiscard]] BakedScene baked_scene(LightmapAtlas atlas, AtlasLight light, BakeProfile profile, double exposure);
 
 }  // namespace penumbra

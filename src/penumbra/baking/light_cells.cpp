@@ -14,7 +14,7 @@ constexpr int lanes = Outlook::lanes;
 constexpr std::size_t groups_a_block = 16;
 /// The change at which light stands still, of all light.
 constexpr double stillness = 1e-4;
-constexpr int most_passes = 2000;
+constexpr std::size_t most_passes = 2000;
 
 float brightness(const Vec4f& v) { return std::max({v.x, v.y, v.z}); }
 
@@ -63,6 +63,7 @@ void LightCells::paint(std::span<const float> direct) {
   constexpr std::size_t most_looked_at = 8;
   const std::size_t count = cell_of_row_.size();
   albedo_.resize(count), emission_.resize(count), back_emission_.resize(count), received_.resize(count);
+  sky_.resize(count, 0);
   lit_.assign(count, 0), buried_.assign(count, 0);
   parallel_for(count, 64, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c) {
@@ -101,6 +102,7 @@ void LightCells::trace(std::size_t first_row) {
       const std::size_t begin = first_row + g * lanes, end = std::min(rows(), begin + lanes);
       Outlook outlook(hash_key(options_.seed, 1, begin));
       std::array<Vec4f, lanes> extra{};
+      std::array<float, lanes> sky{};
       for (std::uint32_t k = 0; k < k_rays; ++k) {
         for (std::size_t r = begin; r < end; ++r) {
           const auto texels = texels_of(cell_of_row_[r]);
@@ -118,7 +120,10 @@ void LightCells::trace(std::size_t first_row) {
           std::uint32_t& landed = landed_[r * k_rays + k];
           landed = none;
           extra[r - begin] += Vec4f(l.extra, 0);
-          if (l.side == Landing::nowhere) continue;
+          if (l.side == Landing::nowhere) {
+            sky[r - begin] += l.extra.x + l.extra.y + l.extra.z;
+            continue;
+          }
           const std::uint32_t side = 2 * cell_of_texel_[l.side / 2] + (l.side & 1U);
           if (l.is_plain) {
             landed = side;
@@ -127,7 +132,10 @@ void LightCells::trace(std::size_t first_row) {
           }
         }
       }
-      for (std::size_t r = begin; r < end; ++r) received_[r] += extra[r - begin] / static_cast<float>(k_rays);
+      for (std::size_t r = begin; r < end; ++r) {
+        received_[r] += extra[r - begin] / static_cast<float>(k_rays);
+        sky_[r] = sky[r - begin] / static_cast<float>(k_rays);
+      }
       std::stable_sort(weighted[g].begin(), weighted[g].end(),
                        [](const Weighted& a, const Weighted& b) { return a.row < b.row; });
     }
@@ -145,7 +153,7 @@ void LightCells::find_backs(const Progress& progress) {
         std::all_of(texels.begin(), texels.end(), [&](std::uint32_t t) { return points_.is_enclosed(t); });
     sees_light[c] = !enclosed || lit_[c] != 0;
   }
-  while (!options_.front_sides_only) {
+  while (true) {
     const std::size_t before = rows();
     spread_light(sees_light);
     add_backs(sees_light);
@@ -153,11 +161,13 @@ void LightCells::find_backs(const Progress& progress) {
     if (progress.stop_requested()) {
       partial_ = true;
       received_.resize(rows(), Vec4f(0));
+      sky_.resize(rows(), 0);
       landed_.resize(rows() * options_.rays, none);
       break;
     }
     sees_light.resize(rows(), 1);
     received_.resize(rows(), Vec4f(0));
+    sky_.resize(rows(), 0);
     light_backs(before);
     trace(before);
   }
@@ -240,11 +250,22 @@ Vec4f LightCells::gathered(std::size_t row) const {
   return received_[row] + sum / static_cast<float>(options_.rays);
 }
 
-int LightCells::solve(const Progress& progress) {
+LightCells::Side LightCells::side(std::size_t number) const {
+  const std::uint32_t c = cell_of_row_[number];
+  const bool back = number >= back_of_cell_.size(), black = back && options_.front_sides_only;
+  Side side{.texels = texels_of(c), .back = back};
+  if (!black) side.albedo = Rgb(albedo_[c]), side.emission = Rgb(back ? back_emission_[c] : emission_[c]);
+  side.irradiance = Rgb(irradiance_[number]);
+  side.sky = sky_[number];
+  return side;
+}
+
+void LightCells::solve(const Progress& progress) {
   constexpr std::size_t rows_a_block = 512;
   const std::size_t fronts = back_of_cell_.size(), count = rows();
   const auto leaving = [&](std::size_t r, const Vec4f& irradiance) {
     const std::uint32_t c = cell_of_row_[r];
+    if (r >= fronts && options_.front_sides_only) return Vec4f(0);
     return (r < fronts ? emission_[c] : back_emission_[c]) + albedo_[c] * irradiance;
   };
   irradiance_ = received_;
@@ -256,9 +277,7 @@ int LightCells::solve(const Progress& progress) {
   };
   std::vector<Sums> sums((count + rows_a_block - 1) / rows_a_block);
   double last_change = 0;
-  int pass = 0;
-  while (pass < most_passes && !progress.stop_requested()) {
-    ++pass;
+  while (residuals_.size() < most_passes && !progress.stop_requested()) {
     parallel_for(count, rows_a_block, [&](std::size_t first, std::size_t last) {
       Sums own;
       for (std::size_t r = first; r < last; ++r) {
@@ -275,12 +294,14 @@ int LightCells::solve(const Progress& progress) {
     for (const Sums& s : sums) all.change += s.change, all.all += s.all;
     // What is still to come falls as a geometric series.
     const double ratio = last_change > 0 ? std::min(0.9999, all.change / last_change) : 0.9;
-    if (all.change * ratio / (1 - ratio) <= stillness * all.all) break;
+    const double to_come = all.change * ratio / (1 - ratio);
+    residuals_.push_back(all.all > 0 ? all.change / all.all : 0);
+    unshot_fraction_ = all.all > 0 ? to_come / all.all : 0;
+    if (to_come <= stillness * all.all) break;
     last_change = all.change;
   }
   partial_ = partial_ || progress.stop_requested();
   find_buried();
-  return pass;
 }
 
 void LightCells::find_buried() {

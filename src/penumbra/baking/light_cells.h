@@ -14,8 +14,8 @@ namespace penumbra {
 ///
 /// A cell is a texel, or 2 x 2, 4 x 4 ... texels of a chart where there are too many. Each looks over its hemisphere
 /// by the same number of rays and keeps which cell each meets; then light is passed along them until nothing changes.
-/// Backs that rays meet have cells too, found as the rays find them. Cells that meet nothing but backs that no light
-/// comes to lie inside solid matter: they are dark, and the backs around them stay out.
+/// Backs that rays meet have cells too, found as the rays find them, black where backs are. Cells that meet nothing but
+/// backs that no light comes to lie inside solid matter: they are dark, and the backs around them stay out.
 class LightCells {
  public:
   struct Options {
@@ -31,8 +31,13 @@ class LightCells {
              std::span<const std::uint32_t> order, std::span<const float> direct, const Options& options,
              const Progress& progress);
 
-  /// Passes light on until it changes by less than a ten-thousandth; returns how often.
-  int solve(const Progress& progress);
+  /// Passes light on until it changes by less than a ten-thousandth.
+  void solve(const Progress& progress);
+
+  /// After each pass, the light that changed as a share of all light.
+  [[nodiscard]] std::span<const double> residuals() const { return residuals_; }
+  /// The light that was still to come when solve() ended, estimated, as a share of all light.
+  [[nodiscard]] double unshot_fraction() const { return unshot_fraction_; }
 
   /// What leaves the side of a texel that a ray landed on, W/m^2; black where no light was sought.
   [[nodiscard]] const Vec4f& radiosity(std::uint32_t side) const {
@@ -42,6 +47,16 @@ class LightCells {
   /// Mean irradiance of the cell that a texel is in, W/m^2.
   [[nodiscard]] Rgb irradiance(std::uint32_t texel) const { return Rgb(irradiance_[cell_of_texel_[texel]]); }
   [[nodiscard]] std::size_t cell_count() const { return back_of_cell_.size(); }
+
+  /// A side of a cell on which light was sought.
+  struct Side {
+    std::span<const std::uint32_t> texels;
+    bool back = false;
+    Rgb albedo{0.0F}, emission{0.0F}, irradiance{0.0F};  ///< W/m^2; emission without that of straight lamps
+    float sky = 0;  ///< the part of the irradiance that comes from the environment, summed over bands
+  };
+  [[nodiscard]] std::size_t side_count() const { return rows(); }
+  [[nodiscard]] Side side(std::size_t number) const;
   [[nodiscard]] std::size_t rays_traced() const { return rays_traced_; }
   [[nodiscard]] bool is_partial() const { return partial_; }
 
@@ -88,10 +103,13 @@ class LightCells {
   std::vector<float> back_share_;                         // by cell: of its rays
   std::vector<Vec4f> albedo_, emission_, back_emission_;  // by cell
   std::vector<Vec4f> received_;                           // by row: straight light and what rays picked up
+  std::vector<float> sky_;                                // by row: of that, from the environment, over all bands
   std::vector<std::uint32_t> landed_;                     // by row and ray: side of a cell, then slot
   std::vector<Weighted> weighted_;                        // by row
   std::vector<std::uint32_t> first_weighted_;             // of each row
   std::vector<Vec4f> radiosity_, irradiance_;             // by slot
+  std::vector<double> residuals_;
+  double unshot_fraction_ = 0;
   std::size_t rays_traced_ = 0;
   bool partial_ = false;
 };

@@ -24,11 +24,50 @@ std::array<Vec2d, 16> points_of_texel() {
   return points;
 }
 
+constexpr int lanes = RayPacket::size;
+constexpr std::size_t packets_a_block = 16;
+
 /// Sixteen directions spread over the hemisphere.
-std::array<Vec3d, RayPacket::size> directions_of_look() {
-  std::array<Vec3d, RayPacket::size> all;
-  for (std::uint32_t k = 0; k < all.size(); ++k) all[k] = sample_cosine_hemisphere(owen_sobol_2d(k, 1));
-  return all;
+const std::array<Vec3d, lanes>& directions_of_look() {
+  static const auto directions = [] {
+    std::array<Vec3d, lanes> all;
+    for (std::uint32_t k = 0; k < all.size(); ++k) all[k] = sample_cosine_hemisphere(owen_sobol_2d(k, 1));
+    return all;
+  }();
+  return directions;
+}
+
+void set_lane(RayPacket& packet, int lane, const Ray& ray) {
+  const Vec3f o(ray.origin), d(ray.direction);
+  packet.origin_x[lane] = o.x, packet.origin_y[lane] = o.y, packet.origin_z[lane] = o.z;
+  packet.direction_x[lane] = d.x, packet.direction_y[lane] = d.y, packet.direction_z[lane] = d.z;
+  packet.t_min[lane] = 0;
+  packet.t_max[lane] = static_cast<float>(ray.t_max);
+  packet.active[lane] = -1;
+}
+
+bool is_back(const RayPacket& packet, const HitPacket& hits, int lane) {
+  return packet.direction_x[lane] * hits.normal_x[lane] + packet.direction_y[lane] * hits.normal_y[lane] +
+             packet.direction_z[lane] * hits.normal_z[lane] >=
+         0;
+}
+
+/// One bit for each lane whose ray meets something. @param ray_of the ray of a lane; none: it meets nothing.
+template <class RayOf>
+std::uint32_t hidden_lanes(const RayTracer& tracer, int count, const RayOf& ray_of) {
+  RayPacket packet{};
+  std::uint32_t sent = 0;
+  for (int i = 0; i < count; ++i) {
+    const std::optional<Ray> ray = ray_of(i);
+    if (!ray) continue;
+    set_lane(packet, i, *ray);
+    sent |= 1U << i;
+  }
+  if (sent == 0) return 0;
+  tracer.occluded(packet, false);
+  std::uint32_t free = 0;
+  for (int i = 0; i < count; ++i) free |= packet.active[i] != 0 ? 1U << i : 0U;
+  return sent & ~free;
 }
 
 /// Of a texel's edge: a wall this near to its point is in its way.
@@ -38,15 +77,33 @@ constexpr double clearance = 0.02;
 
 }  // namespace
 
-SamplePoints::SamplePoints(const RayTracer& tracer, const TexelMap& map, const AtlasSpace& space)
+SamplePoints::SamplePoints(const RayTracer& tracer, const TexelMap& map, const AtlasSpace& space,
+                           const Progress& progress)
     : tracer_(tracer), map_(map), texels_(map.texels()), flags_(map.texels().count(), 0) {
   const Bounds all = tracer.bounds();
   if (!all.empty()) rounding_ = float_error * std::max(largest_component(all.lower), largest_component(all.upper));
-  constexpr std::size_t block = 256;
-  std::vector<std::vector<Moved>> found((texels_.count() + block - 1) / block);
-  parallel_for(texels_.count(), block, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) {
-      if (auto moved = examine(static_cast<std::uint32_t>(t), space)) found[first / block].push_back(*moved);
+  const std::size_t packets = (texels_.count() + lanes - 1) / lanes;
+  // In rounds, so that the caller hears of it and can stop.
+  const std::size_t round = std::max(packets_a_block, packets / 32 / packets_a_block * packets_a_block);
+  const auto in_rounds = [&](double begin, const auto& look) {
+    for (std::size_t start = 0; start < packets && !progress.stop_requested(); start += round) {
+      const std::size_t some = std::min(round, packets - start);
+      parallel_for(some, packets_a_block, [&](std::size_t first, std::size_t last) {
+        for (std::size_t p = start + first; p < start + last; ++p) {
+          look(p, static_cast<std::uint32_t>(p * lanes),
+               static_cast<int>(std::min<std::size_t>(lanes, texels_.count() - p * lanes)));
+        }
+      });
+      progress.tell("texels", begin + 0.5 * static_cast<double>(start + some) / static_cast<double>(packets));
+    }
+  };
+  std::vector<std::vector<Moved>> found((packets + packets_a_block - 1) / packets_a_block);
+  in_rounds(0, [&](std::size_t packet, std::uint32_t first, int count) {
+    const std::uint32_t backs = meet_backs(first, count), walls = stand_in_walls(first, count);
+    for (int i = 0; i < count && (backs | walls) >> i != 0; ++i) {
+      if ((((backs | walls) >> i) & 1U) == 0) continue;
+      const auto moved = examine(first + static_cast<std::uint32_t>(i), ((walls >> i) & 1U) != 0, space);
+      if (moved) found[packet / packets_a_block].push_back(*moved);
     }
   });
   for (const auto& some : found) {
@@ -58,9 +115,10 @@ SamplePoints::SamplePoints(const RayTracer& tracer, const TexelMap& map, const A
       }
     }
   }
-  parallel_for(texels_.count(), block, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) {
-      if (has_something_on_it(static_cast<std::uint32_t>(t))) flags_[t] |= cut;
+  in_rounds(0.5, [&](std::size_t, std::uint32_t first, int count) {
+    const std::uint32_t covered = have_something_on_them(first, count);
+    for (int i = 0; i < count; ++i) {
+      if (((covered >> i) & 1U) != 0) flags_[first + static_cast<std::uint32_t>(i)] |= cut;
     }
   });
 }
@@ -82,14 +140,19 @@ Vec3d SamplePoints::lifted(const Place& place) const {
   return place.position + rounding_ * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) * n;
 }
 
-bool SamplePoints::are_on_one_side(const Place& a, const Place& b) const {
+std::optional<Ray> SamplePoints::sight_line(const Place& a, const Place& b) const {
   // High enough to clear the surface's own curvature.
   const Vec3d way = b.position - a.position;
   const double distance = length(way);
-  if (!(distance > 0)) return true;
+  if (!(distance > 0)) return std::nullopt;
   const Vec3d from = lifted(a) + clearance * distance * a.normal, to = lifted(b) + clearance * distance * b.normal;
   const double between = length(to - from);
-  return !tracer_.occluded({.origin = from, .direction = (to - from) / between, .t_max = between});
+  return Ray{.origin = from, .direction = (to - from) / between, .t_max = between};
+}
+
+bool SamplePoints::are_on_one_side(const Place& a, const Place& b) const {
+  const auto line = sight_line(a, b);
+  return !line || !tracer_.occluded(*line);
 }
 
 std::uint32_t SamplePoints::on_side_of(const Place& point, std::uint32_t texel) const {
@@ -108,60 +171,77 @@ std::uint32_t SamplePoints::on_side_of(const Place& point, std::uint32_t texel) 
   return best == TexelMap::none ? texel : best;
 }
 
-bool SamplePoints::has_something_on_it(std::uint32_t texel) const {
-  const TexelMap::Steps steps = map_.steps(texels_.triangles[texel]);
-  const Place middle = (*this)[texel];
-  // Corners of the texel, which may lie beyond its face: only what stands in between counts.
-  const Vec3d centre = texels_.positions[texel];
+std::uint32_t SamplePoints::have_something_on_them(std::uint32_t first, int count) const {
+  std::uint32_t covered = 0;
+  // To the corners of each texel, which may lie beyond its face: only what stands in between counts.
   for (const auto& [right, down] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {-0.5, 0.5}, {0.5, 0.5}}) {
-    Place corner = middle;
-    corner.position = centre + right * steps.right + down * steps.down;
-    if (!are_on_one_side(middle, corner)) return true;
+    covered |= hidden_lanes(tracer_, count, [&](int i) -> std::optional<Ray> {
+      if (((covered >> i) & 1U) != 0) return std::nullopt;
+      const std::uint32_t texel = first + static_cast<std::uint32_t>(i);
+      const TexelMap::Steps steps = map_.steps(texels_.triangles[texel]);
+      const Place middle = (*this)[texel];
+      Place corner = middle;
+      corner.position = texels_.positions[texel] + right * steps.right + down * steps.down;
+      return sight_line(middle, corner);
+    });
   }
-  return false;
+  return covered;
 }
 
-std::optional<SamplePoints::Moved> SamplePoints::examine(std::uint32_t texel, const AtlasSpace& space) const {
+std::uint32_t SamplePoints::stand_in_walls(std::uint32_t first, int count) const {
+  std::uint32_t in_wall = 0;
+  for (const auto step : {&TexelMap::Steps::right, &TexelMap::Steps::down}) {
+    in_wall |= hidden_lanes(tracer_, count, [&](int i) -> std::optional<Ray> {
+      const std::uint32_t texel = first + static_cast<std::uint32_t>(i);
+      const Vec3d way = map_.steps(texels_.triangles[texel]).*step;
+      const double size = length(way);
+      if (!(size > 0)) return std::nullopt;
+      return Ray{
+          .origin = lifted(own(texel)) - in_the_way * way, .direction = way / size, .t_max = 2 * in_the_way * size};
+    });
+  }
+  return in_wall;
+}
+
+std::uint32_t SamplePoints::meet_backs(std::uint32_t first, int count) const {
+  const Vec3d& direction = directions_of_look()[0];
+  RayPacket packet{};
+  for (int i = 0; i < count; ++i) {
+    const Place place = own(first + static_cast<std::uint32_t>(i));
+    set_lane(packet, i, {.origin = lifted(place), .direction = Frame(place.normal).to_world(direction)});
+  }
+  HitPacket hits;
+  tracer_.nearest(packet, hits);
+  std::uint32_t backs = 0;
+  for (int i = 0; i < count; ++i) {
+    if (hits.object[i] != HitPacket::no_hit && is_back(packet, hits, i)) backs |= 1U << i;
+  }
+  return backs;
+}
+
+std::optional<SamplePoints::Moved> SamplePoints::examine(std::uint32_t texel, bool in_wall,
+                                                         const AtlasSpace& space) const {
   const bool is_inside = sees_only_backs(own(texel));
-  if (!is_inside && !stands_in_wall(texel)) return std::nullopt;
+  if (!is_inside && !in_wall) return std::nullopt;
   if (const auto free = nearest_free(texel, space)) return Moved{texel, *free, false};
   if (is_inside) return Moved{texel, own(texel), true};
   return std::nullopt;
 }
 
 bool SamplePoints::sees_only_backs(const Place& place) const {
-  static const std::array<Vec3d, RayPacket::size> directions = directions_of_look();
+  const auto& directions = directions_of_look();
   const Frame frame(place.normal);
-  const Vec3f origin(lifted(place));
-  RayPacket packet;
+  const Vec3d origin = lifted(place);
+  RayPacket packet{};
   HitPacket hits;
-  for (int i = 0; i < RayPacket::size; ++i) {
-    const Vec3f d(frame.to_world(directions[static_cast<std::size_t>(i)]));
-    packet.origin_x[i] = origin.x, packet.origin_y[i] = origin.y, packet.origin_z[i] = origin.z;
-    packet.direction_x[i] = d.x, packet.direction_y[i] = d.y, packet.direction_z[i] = d.z;
-    packet.t_min[i] = 0, packet.t_max[i] = HUGE_VALF;
-    packet.active[i] = -1;
+  for (int i = 0; i < lanes; ++i) {
+    set_lane(packet, i, {.origin = origin, .direction = frame.to_world(directions[static_cast<std::size_t>(i)])});
   }
   tracer_.nearest(packet, hits);
-  for (int i = 0; i < RayPacket::size; ++i) {
-    if (hits.object[i] == HitPacket::no_hit) return false;
-    const float side = packet.direction_x[i] * hits.normal_x[i] + packet.direction_y[i] * hits.normal_y[i] +
-                       packet.direction_z[i] * hits.normal_z[i];
-    if (side < 0) return false;
+  for (int i = 0; i < lanes; ++i) {
+    if (hits.object[i] == HitPacket::no_hit || !is_back(packet, hits, i)) return false;
   }
   return true;
-}
-
-bool SamplePoints::stands_in_wall(std::uint32_t texel) const {
-  const TexelMap::Steps steps = map_.steps(texels_.triangles[texel]);
-  const Vec3d middle = lifted(own(texel));
-  for (const Vec3d& step : {steps.right, steps.down}) {
-    const double size = length(step);
-    if (!(size > 0)) continue;
-    const Ray ray{.origin = middle - in_the_way * step, .direction = step / size, .t_max = 2 * in_the_way * size};
-    if (tracer_.occluded(ray)) return true;
-  }
-  return false;
 }
 
 std::optional<Place> SamplePoints::nearest_free(std::uint32_t texel, const AtlasSpace& space) const {

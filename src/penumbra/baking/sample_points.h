@@ -7,6 +7,7 @@
 
 #include "penumbra/baking/atlas_space.h"
 #include "penumbra/baking/outlook.h"
+#include "penumbra/parallel/progress.h"
 #include "penumbra/tracing/ray_tracer.h"
 
 namespace penumbra {
@@ -25,8 +26,8 @@ struct Place {
 /// then at the nearest free point of the texel.
 class SamplePoints {
  public:
-  /// All must outlive this.
-  SamplePoints(const RayTracer& tracer, const TexelMap& map, const AtlasSpace& space);
+  /// All must outlive this. Stopped early, the rest keep their own points.
+  SamplePoints(const RayTracer& tracer, const TexelMap& map, const AtlasSpace& space, const Progress& progress = {});
 
   /// Of the front.
   [[nodiscard]] Place operator[](std::uint32_t texel) const;
@@ -55,9 +56,14 @@ class SamplePoints {
   static constexpr std::uint8_t enclosed = 1, cut = 2;
   [[nodiscard]] bool sees_only_backs(const Place& place) const;
   [[nodiscard]] Place own(std::uint32_t texel) const;
-  [[nodiscard]] bool has_something_on_it(std::uint32_t texel) const;
-  [[nodiscard]] std::optional<Moved> examine(std::uint32_t texel, const AtlasSpace& space) const;
-  [[nodiscard]] bool stands_in_wall(std::uint32_t texel) const;
+  /// What stands between two places near each other would cross this ray; none where they are one.
+  [[nodiscard]] std::optional<Ray> sight_line(const Place& a, const Place& b) const;
+  // Of up to sixteen texels from `first` on, one bit each.
+  [[nodiscard]] std::uint32_t meet_backs(std::uint32_t first, int count) const;
+  [[nodiscard]] std::uint32_t stand_in_walls(std::uint32_t first, int count) const;
+  [[nodiscard]] std::uint32_t have_something_on_them(std::uint32_t first, int count) const;
+  /// Where a texel is looked up when a first look says that it may lie inside solid matter, or in a wall.
+  [[nodiscard]] std::optional<Moved> examine(std::uint32_t texel, bool in_wall, const AtlasSpace& space) const;
   [[nodiscard]] std::optional<Place> nearest_free(std::uint32_t texel, const AtlasSpace& space) const;
 
   const RayTracer& tracer_;

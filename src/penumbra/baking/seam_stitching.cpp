@@ -128,7 +128,7 @@ class Stitching {
 }  // namespace
 
 void stitch_seams(std::span<const ChartSeam> seams, int width, int height, std::span<const std::uint8_t> covered,
-                  std::span<float> values, std::size_t channels) {
+                  std::span<float> values, std::size_t channels, float lowest) {
   std::vector<Row> rows = rows_along(seams, width, height);
   const std::vector<std::uint32_t> pixels = number_unknowns(rows);
   std::vector<double> inertias;
@@ -140,7 +140,7 @@ void stitch_seams(std::span<const ChartSeam> seams, int width, int height, std::
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = values[pixels[i] * channels + c];
     stitching.solve(x);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      values[pixels[i] * channels + c] = static_cast<float>(std::max(0.0, x[i]));
+      values[pixels[i] * channels + c] = std::max(lowest, static_cast<float>(x[i]));
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "penumbra/math/rng.h"
 #include "penumbra/math/sampling.h"
 #include "penumbra/math/sobol.h"
+#include "penumbra/radiosity/light_irradiance.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 
 namespace penumbra {
@@ -41,18 +42,26 @@ bool rectangle_around(std::span<const Place> places, double reach, std::array<Ve
 
 }  // namespace
 
-StraightLight::StraightLight(const LightmapAtlas& atlas, const RayTracer& tracer, bool front_sides_only)
+StraightLight::StraightLight(const LightmapAtlas& atlas, const RayTracer& tracer, const Options& options)
     : atlas_(atlas),
       tracer_(tracer),
       sampler_(atlas.scene),
-      faces_(make_element_faces(atlas.scene, front_sides_only ? PatchSides::front : PatchSides::both, shape_segments)
-                 .mesh) {
-  choose_lamps(front_sides_only);
+      faces_(make_element_faces(atlas.scene, options.front_sides_only ? PatchSides::front : PatchSides::both,
+                                shape_segments)
+                 .mesh),
+      shadow_(tracer, !options.opaque_shadows) {
+  choose_lamps(options.front_sides_only);
+  part_lamps();
   has_holes_ =
       std::ranges::any_of(atlas.scene.materials, [](const Material& m) { return m.alpha_mode == AlphaMode::mask; });
   const Bounds all = tracer.bounds();
   if (!all.empty()) rounding_ = float_error * std::max(largest_component(all.lower), largest_component(all.upper));
-  for (const Lamp& lamp : light_->lamps()) hard_shadows_ = hard_shadows_ || lamp.kind != Lamp::Kind::patch;
+}
+
+void StraightLight::part_lamps() {
+  std::vector<Lamp> faces;
+  for (const Lamp& lamp : light_->lamps()) (lamp.kind == Lamp::Kind::patch ? faces : bodiless_).push_back(lamp);
+  light_->set_lamps(std::move(faces));
 }
 
 void StraightLight::choose_lamps(bool front_sides_only) {
@@ -109,79 +118,109 @@ void StraightLight::choose_lamps(bool front_sides_only) {
   }
 }
 
+double StraightLight::power() const {
+  double sum = 0;
+  const auto add = [&](const Vec3d& power) { sum += power.x + power.y + power.z; };
+  for (const Lamp& lamp : light_->lamps()) add(polygon_area(lamp.corners) * lamp.strength);
+  for (const Lamp& lamp : bodiless_) {
+    if (const auto flux = light_flux(atlas_.scene, atlas_.scene.lights[sampler_.light(lamp.light).index])) add(*flux);
+  }
+  return sum;
+}
+
+Vec3d StraightLight::far_irradiance(const Place& place) const { return from_bodiless(place, true); }
+
+std::optional<StraightLight::Beam> StraightLight::beam_of(const Lamp& lamp, const Vec3d& point,
+                                                          const Vec3d& normal) const {
+  SurfacePoint from;
+  from.position = point;
+  from.geometric_normal = from.shading_normal = normal == Vec3d(0) ? from.geometric_normal : normal;
+  const auto sample = sampler_.sample_light(lamp.light, from, Vec2d(0));
+  if (!sample || (normal != Vec3d(0) && !(dot(sample->direction, normal) > 0))) return std::nullopt;
+  const Rgb passed = shadow_.transmittance(sample->shadow_ray);
+  if (is_black(passed)) return std::nullopt;
+  return Beam{sample->direction, passed * sample->radiance};
+}
+
+void StraightLight::add_beams(const Lamp& lamp, const Vec3d& point, const Vec3d& normal, std::uint32_t samples,
+                              std::uint64_t key, std::vector<Beam>& beams) const {
+  const Vec3d facing = polygon_normal(lamp.corners);
+  const double area = polygon_area(lamp.corners);
+  const std::size_t triangles = lamp.corners.size() - 2;
+  std::vector<double> areas{0};
+  for (std::size_t t = 0; t < triangles; ++t) {
+    areas.push_back(areas.back() +
+                    0.5 * length(cross(lamp.corners[t + 1] - lamp.corners[0], lamp.corners[t + 2] - lamp.corners[0])));
+  }
+  for (std::uint32_t k = 0; k < samples; ++k) {
+    Vec2d u = owen_sobol_2d(k, hash_key(key, lamp.patch));
+    const double place = u.x * areas.back();
+    std::size_t t = 0;
+    while (t + 1 < triangles && place >= areas[t + 1]) ++t;
+    u.x = std::clamp((place - areas[t]) / (areas[t + 1] - areas[t]), 0.0, 1.0);
+    const Vec2d b = sample_triangle(u);
+    const Vec3d way = lamp.corners[0] + b.x * (lamp.corners[t + 1] - lamp.corners[0]) +
+                      b.y * (lamp.corners[t + 2] - lamp.corners[0]) - point;
+    const double r2 = length_squared(way), r = std::sqrt(r2), cosine = -dot(way, facing) / r;
+    if (!(cosine > 0) || (normal != Vec3d(0) && !(dot(way, normal) > 0))) continue;
+    const Ray ray{.origin = point, .direction = way / r, .t_max = r * (1 - shortening)};
+    if (tracer_.occluded(ray)) continue;
+    const double solid_angle = area / samples * cosine / r2;
+    beams.push_back({ray.direction, Rgb(lamp.strength * (solid_angle / std::numbers::pi))});
+  }
+}
+
 std::vector<StraightLight::Beam> StraightLight::beams(const Vec3d& point, const Vec3d& normal, std::uint32_t samples,
                                                       std::uint64_t key) const {
   std::vector<Beam> beams;
-  const bool from_all_sides = normal == Vec3d(0);
-  SurfacePoint from;
-  from.position = point;
-  if (!from_all_sides) from.geometric_normal = from.shading_normal = normal;
-  std::vector<double> areas;
-  for (const Lamp& lamp : light_->lamps()) {
-    if (lamp.kind != Lamp::Kind::patch) {
-      const auto sample = sampler_.sample_light(lamp.light, from, Vec2d(0));
-      if (!sample || (!from_all_sides && !(dot(sample->direction, normal) > 0))) continue;
-      if (!tracer_.occluded(sample->shadow_ray)) beams.push_back({sample->direction, sample->radiance});
-      continue;
-    }
-    const Vec3d facing = polygon_normal(lamp.corners);
-    const double area = polygon_area(lamp.corners);
-    const std::size_t triangles = lamp.corners.size() - 2;
-    areas.assign(1, 0);
-    for (std::size_t t = 0; t < triangles; ++t) {
-      areas.push_back(areas.back() + 0.5 * length(cross(lamp.corners[t + 1] - lamp.corners[0],
-                                                        lamp.corners[t + 2] - lamp.corners[0])));
-    }
-    for (std::uint32_t k = 0; k < samples; ++k) {
-      Vec2d u = owen_sobol_2d(k, hash_key(key, lamp.patch));
-      const double place = u.x * areas.back();
-      std::size_t t = 0;
-      while (t + 1 < triangles && place >= areas[t + 1]) ++t;
-      u.x = std::clamp((place - areas[t]) / (areas[t + 1] - areas[t]), 0.0, 1.0);
-      const Vec2d b = sample_triangle(u);
-      const Vec3d way = lamp.corners[0] + b.x * (lamp.corners[t + 1] - lamp.corners[0]) +
-                        b.y * (lamp.corners[t + 2] - lamp.corners[0]) - point;
-      const double r2 = length_squared(way), r = std::sqrt(r2), cosine = -dot(way, facing) / r;
-      if (!(cosine > 0) || (!from_all_sides && !(dot(way, normal) > 0))) continue;
-      Ray ray{.origin = point, .direction = way / r, .t_max = r * (1 - shortening)};
-      if (tracer_.occluded(ray)) continue;
-      const double solid_angle = area / samples * cosine / r2;
-      beams.push_back({ray.direction, Rgb(lamp.strength * (solid_angle / std::numbers::pi))});
-    }
+  for (const Lamp& lamp : light_->lamps()) add_beams(lamp, point, normal, samples, key, beams);
+  for (const Lamp& lamp : bodiless_) {
+    if (const auto beam = beam_of(lamp, point, normal)) beams.push_back(*beam);
   }
   return beams;
 }
 
-void StraightLight::look(const LampIrradiance::View& view, const Place& place, Vec3d& irradiance) const {
-  if (!view.is_lit()) {
-    irradiance = Vec3d(0);
-  } else if (has_holes_) {
-    const Vec3d& n = place.normal;
-    const Vec3d lifted = place.position + rounding_ * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) * n;
-    irradiance = Vec3d(0);
-    for (const Beam& beam : beams(lifted, n, rays_through_holes, 0)) {
-      irradiance += std::max(0.0, dot(beam.direction, place.shading)) * Vec3d(beam.irradiance);
-    }
-  } else if (dot(place.normal, place.shading) > 1 - 1e-6) {
-    irradiance = view.at(place.position);
-  } else {
-    irradiance = light_->at(place.position, place.normal, place.shading, {});
+Vec3d StraightLight::lifted(const Place& place) const {
+  const Vec3d& n = place.normal;
+  return place.position + rounding_ * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) * n;
+}
+
+Vec3d StraightLight::from_bodiless(const Place& place, bool far_only) const {
+  Vec3d sum(0);
+  for (const Lamp& lamp : bodiless_) {
+    if (far_only && light_flux(atlas_.scene, atlas_.scene.lights[sampler_.light(lamp.light).index])) continue;
+    const auto beam = beam_of(lamp, lifted(place), place.normal);
+    if (beam) sum += std::max(0.0, dot(beam->direction, place.shading)) * Vec3d(beam->irradiance);
   }
+  return sum;
+}
+
+Vec3d StraightLight::look(const LampIrradiance::View& view, const Place& place) const {
+  const Vec3d bodiless = from_bodiless(place, false);
+  if (!view.is_lit()) return bodiless;
+  if (has_holes_) {
+    std::vector<Beam> beams;
+    for (const Lamp& lamp : light_->lamps()) {
+      add_beams(lamp, lifted(place), place.normal, rays_through_holes, 0, beams);
+    }
+    Vec3d sum(0);
+    for (const Beam& beam : beams) sum += std::max(0.0, dot(beam.direction, place.shading)) * Vec3d(beam.irradiance);
+    return bodiless + sum;
+  }
+  if (dot(place.normal, place.shading) > 1 - 1e-6) return bodiless + view.at(place.position);
+  return bodiless + light_->at(place.position, place.normal, place.shading, {});
 }
 
 void StraightLight::at(std::span<const Place> places, double reach, std::span<Vec3d> irradiance) const {
   std::array<Vec3d, 4> corners;
   if (rectangle_around(places, reach, corners)) {
     const LampIrradiance::View view = light_->view(corners);
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      look(view, places[k], irradiance[k]);
-    }
+    for (std::size_t k = 0; k < places.size(); ++k) irradiance[k] = look(view, places[k]);
     return;
   }
   for (std::size_t k = 0; k < places.size(); ++k) {
     rectangle_around(places.subspan(k, 1), reach, corners);
-    const LampIrradiance::View view = light_->view(corners);
-    look(view, places[k], irradiance[k]);
+    irradiance[k] = look(light_->view(corners), places[k]);
   }
 }
 

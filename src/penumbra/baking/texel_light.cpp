@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "penumbra/baking/final_gather.h"
+#include "penumbra/baking/texel_denoising.h"
 #include "penumbra/baking/texel_solution.h"
 
 namespace penumbra {
@@ -86,33 +87,40 @@ void measure_noise(const TexelMap& map, const NoiseSurfaces& surfaces, TexelLigh
 
 TexelLight bake_texel_light(const LightmapAtlas& atlas, const Texels& texels, const TexelLightOptions& options) {
   check(options);
-  const Progress& progress = options.progress;
-  TexelLight light;
-  const std::size_t count = texels.count();
-  if (count == 0) return light;
-
-  progress.tell("texels", 0);
+  if (texels.count() == 0) return {};
   TexelSolution solution(atlas, texels,
-                         {.noise = options.noise, .front_sides_only = options.front_sides_only, .seed = options.seed},
-                         progress);
+                         {.noise = options.noise,
+                          .front_sides_only = options.front_sides_only,
+                          .opaque_shadows = options.opaque_shadows,
+                          .seed = options.seed},
+                         options.progress);
+  return bake_texel_light(solution, options);
+}
+
+TexelLight bake_texel_light(TexelSolution& solution, const TexelLightOptions& options) {
+  check(options);
+  TexelLight light;
   const TexelMap& map = solution.map();
   const LightCells& cells = solution.cells();
-  light.iterations = solution.iterations();
+  const std::size_t count = map.texels().count();
+  light.residuals.assign(cells.residuals().begin(), cells.residuals().end());
+  light.energy = texel_energy(solution);
   const NoiseSurfaces surfaces = make_noise_surfaces(map, cells);
   GatheredLight gathered = final_gather(solution.rays(), cells, surfaces, solution.order(),
                                         {.noise = options.noise,
                                          .fewest_rays = static_cast<std::uint32_t>(options.fewest_rays),
                                          .most_rays = static_cast<std::uint32_t>(options.most_rays),
                                          .seed = options.seed},
-                                        progress);
+                                        options.progress);
   light.rays = cells.rays_traced() + gathered.rays;
   light.partial = solution.is_partial() || gathered.partial;
+  light.buried.resize(count);
+  for (std::uint32_t t = 0; t < count; ++t) light.buried[t] = cells.is_buried(t);
+  if (options.denoise) denoise_texels(solution.points(), light.buried, gathered.irradiance, gathered.error);
   light.direct = std::move(solution.direct());
   light.irradiance = std::move(gathered.irradiance);
   for (std::size_t k = 0; k < 3 * count; ++k) light.irradiance[k] += light.direct[k];
   light.error = std::move(gathered.error);
-  light.buried.resize(count);
-  for (std::uint32_t t = 0; t < count; ++t) light.buried[t] = cells.is_buried(t);
   measure_noise(map, surfaces, light);
   fill_buried(map, light);
   return light;

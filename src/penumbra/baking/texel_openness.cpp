@@ -37,29 +37,38 @@ void look_around(const SamplePoints& points, std::span<const std::uint32_t> texe
 
 }  // namespace
 
-std::vector<float> openness_of_texels(const LightmapAtlas& atlas, const Texels& texels,
-                                      const OpennessOptions& options) {
+TexelOpenness openness_of_texels(const LightmapAtlas& atlas, const Texels& texels, const OpennessOptions& options) {
   if (!(options.distance > 0)) throw std::invalid_argument("the distance of ambient occlusion must be above 0");
   if (options.rays < 16) throw std::invalid_argument("ambient occlusion needs at least 16 rays a texel");
-  std::vector<float> open(texels.count(), 0);
-  if (open.empty()) return open;
+  TexelOpenness found;
+  const std::size_t count = texels.count();
+  found.open.assign(count, 0);
+  found.buried.assign(count, 0);
+  if (count == 0) return found;
   const RayTracer tracer(atlas.scene);
   const TexelMap map(atlas, texels);
   const AtlasSpace space(map, tracer);
-  const SamplePoints points(tracer, map, space);
+  const SamplePoints points(tracer, map, space, options.progress);
+  for (std::uint32_t t = 0; t < count; ++t) found.buried[t] = points.is_enclosed(t) ? 1 : 0;
   const std::vector<std::uint32_t> order = texels_in_blocks(map);
   const std::size_t groups = (order.size() + lanes - 1) / lanes, round = std::max<std::size_t>(64, groups / 64);
-  for (std::size_t start = 0; start < groups && !options.progress.stop_requested(); start += round) {
-    parallel_for(std::min(round, groups - start), 4, [&](std::size_t first, std::size_t last) {
+  for (std::size_t start = 0; start < groups; start += round) {
+    if (options.progress.stop_requested()) {
+      found.partial = true;
+      break;
+    }
+    const std::size_t some = std::min(round, groups - start);
+    parallel_for(some, 4, [&](std::size_t first, std::size_t last) {
       for (std::size_t g = start + first; g < start + last; ++g) {
         const std::size_t begin = g * lanes;
-        look_around(points, std::span(order).subspan(begin, std::min(lanes, order.size() - begin)), options, open);
+        look_around(points, std::span(order).subspan(begin, std::min(lanes, order.size() - begin)), options,
+                    found.open);
       }
     });
-    options.progress.tell("ambient occlusion",
-                          static_cast<double>(std::min(groups, start + round)) / static_cast<double>(groups));
+    found.rays += std::min(some * lanes, order.size() - start * lanes) * options.rays;
+    options.progress.tell("ambient occlusion", static_cast<double>(start + some) / static_cast<double>(groups));
   }
-  return open;
+  return found;
 }
 
 }  // namespace penumbra

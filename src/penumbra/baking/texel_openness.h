@@ -17,10 +17,18 @@ struct OpennessOptions {
   Progress progress{};
 };
 
+/// Arrays are per texel.
+struct TexelOpenness {
+  std::vector<float> open;           ///< 0..1; 0 where buried, and where it was not reached when stopped early
+  std::vector<std::uint8_t> buried;  ///< 1 where all that is seen are backs: inside solid matter
+  std::size_t rays = 0;              ///< traced
+  bool partial = false;
+};
+
 /// Ambient occlusion: of the projected solid angle above the front of each texel, the share (0..1) with nothing within
-/// `distance`. 1 is open; buried texels have 0, and so have those that were not reached when stopped early.
+/// `distance`; 1 is open.
 /// Throws std::invalid_argument for options out of range. @param texels of the same atlas.
-[[nodiscard]] std::vector<float> openness_of_texels(const LightmapAtlas& atlas, const Texels& texels,
-                                                    const OpennessOptions& options = {});
+[[nodiscard]] TexelOpenness openness_of_texels(const LightmapAtlas& atlas, const Texels& texels,
+                                               const OpennessOptions& options = {});
 
 }  // namespace penumbra

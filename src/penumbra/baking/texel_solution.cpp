@@ -25,18 +25,20 @@ TexelSolution::TexelSolution(const LightmapAtlas& atlas, const Texels& texels, c
     : tracer_(atlas.scene),
       map_(atlas, texels),
       space_(std::make_unique<AtlasSpace>(map_, tracer_)),
-      straight_(atlas, tracer_, options.front_sides_only),
+      straight_(atlas, tracer_,
+                {.front_sides_only = options.front_sides_only, .opaque_shadows = options.opaque_shadows}),
       order_(texels_in_blocks(map_)),
-      points_(tracer_, map_, *space_),
+      points_(tracer_, map_, *space_, progress),
       rays_(points_, straight_.lamps()) {
   direct_ = direct_light_of_texels(straight_, points_, *space_, map_, order_, progress);
+  front_sides_only_ = options.front_sides_only;
   progress.tell("interreflection", 0);
   cells_ = std::make_unique<LightCells>(rays_, *space_, straight_, order_, direct_,
                                         LightCells::Options{.rays = rays_a_cell(texels.count(), options.noise),
                                                             .front_sides_only = options.front_sides_only,
                                                             .seed = options.seed},
                                         progress);
-  iterations_ = cells_->solve(progress);
+  cells_->solve(progress);
   progress.tell("interreflection", 1);
   partial_ = cells_->is_partial() || progress.stop_requested();
 }

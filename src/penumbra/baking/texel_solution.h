@@ -19,6 +19,7 @@ class TexelSolution {
   struct Options {
     double noise = 0.01;            ///< of what will be gathered, relative: the cells have rays enough not to add to it
     bool front_sides_only = false;  ///< backs are black and opaque
+    bool opaque_shadows = false;    ///< glass stops the shadow rays of points, spots and far lights
     std::uint64_t seed = 0;
   };
 
@@ -34,7 +35,7 @@ class TexelSolution {
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
   /// Straight light of the texels, [texel * 3 + band], W/m^2. May be taken away.
   [[nodiscard]] std::vector<float>& direct() { return direct_; }
-  [[nodiscard]] int iterations() const { return iterations_; }
+  [[nodiscard]] bool backs_are_black() const { return front_sides_only_; }
   [[nodiscard]] bool is_partial() const { return partial_; }
 
  private:
@@ -47,7 +48,7 @@ class TexelSolution {
   TexelRays rays_;
   std::vector<float> direct_;
   std::unique_ptr<LightCells> cells_;
-  int iterations_ = 0;
+  bool front_sides_only_ = false;
   bool partial_ = false;
 };
 

@@ -28,7 +28,7 @@ struct Column {
   std::function<double(std::size_t row)> value;
 };
 
-std::vector<Column> number_columns(const ElementTable& t) {
+std::vector<Column> number_columns(const ElementTable& t, bool with_caustics) {
   std::vector<Column> columns;
   for (int k = 0; k < 3; ++k) {
     columns.push_back({fmt::format("c{}", axes[k]), [&t, k](std::size_t i) { return t.centres[i][k]; }});
@@ -47,6 +47,7 @@ std::vector<Column> number_columns(const ElementTable& t) {
   add_bands("emission", t.emission);
   add_bands("irradiance", t.irradiance);
   add_bands("radiosity", t.radiosity);
+  if (with_caustics && !t.caustics.empty()) add_bands("caustics", t.caustics);
   return columns;
 }
 
@@ -60,7 +61,7 @@ void write_npz(const std::filesystem::path& path, const ElementTable& t) {
   OutputFile out(path);
   ZipWriter zip(out);
   std::vector<double> values(t.rows());
-  for (const Column& column : number_columns(t)) {
+  for (const Column& column : number_columns(t, true)) {
     for (std::size_t i = 0; i < t.rows(); ++i) values[i] = column.value(i);
     zip.add(column.name + ".npy", npy_array(values));
   }
@@ -80,7 +81,7 @@ void write_npz(const std::filesystem::path& path, const ElementTable& t) {
 
 void write_csv(const std::filesystem::path& path, const ElementTable& t) {
   OutputFile out(path);
-  const std::vector<Column> columns = number_columns(t);
+  const std::vector<Column> columns = number_columns(t, false);
   std::string text = t.partial ? "# partial: the computation was stopped, light is missing\n" : "";
   for (const Column& column : columns) text += column.name + ",";
   text += "surface,object,side\n";
@@ -174,6 +175,7 @@ ElementTable read_element_table(const std::filesystem::path& path) {
   columns.triples("emission", suffixes, t.emission);
   columns.triples("irradiance", suffixes, t.irradiance);
   columns.triples("radiosity", suffixes, t.radiosity);
+  if (file.has("caustics_r")) columns.triples("caustics", suffixes, t.caustics);
   t.surfaces = file.integers("surface");
   columns.check("surface", t.surfaces.size());
   t.objects = file.texts("object");

@@ -21,6 +21,8 @@ struct ElementTable {
   std::vector<std::int64_t> surfaces;
   std::vector<std::string> objects;
   std::vector<bool> backs;
+  /// Of the irradiance, what comes straight from lights by way of mirrors and glass; in .npz alone, may be missing.
+  std::vector<double> caustics;
   bool partial = false;                   ///< the computation was stopped
   std::vector<std::string> fingerprints;  ///< what identifies the scene; in .npz alone, may be missing
 

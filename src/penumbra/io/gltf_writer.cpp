@@ -274,7 +274,9 @@ class GltfWriter {
     if (m.double_sided) json["doubleSided"] = true;
     if (m.unlit) extension(json, "KHR_materials_unlit");
     add_interface(json, m);
-    if (lightmap_) {
+    if (lightmap_ && lightmap_->kind == GltfLightmap::Kind::occlusion) {
+      json["occlusionTexture"] = {{"index", lightmap_->texture}, {"texCoord", lightmap_->uv_set}};
+    } else if (lightmap_) {
       extension(json, "MOZ_lightmap") = {
           {"index", lightmap_->texture}, {"texCoord", lightmap_->uv_set}, {"intensity", lightmap_->strength}};
     }

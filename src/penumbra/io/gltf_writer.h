@@ -11,11 +11,16 @@
 
 namespace penumbra {
 
-/// Light that was baked into a texture of the scene, for viewers that know MOZ_lightmap; others pass over it.
+/// What was baked into a texture of the scene.
 struct GltfLightmap {
-  std::uint32_t texture = 0;  ///< index into Scene::textures: irradiance / strength, sRGB-encoded
+  enum class Kind {
+    light,     ///< irradiance / strength, sRGB-encoded, for viewers that know MOZ_lightmap; others pass over it
+    occlusion  ///< how open the surface is, linear: glTF's occlusion texture
+  };
+  std::uint32_t texture = 0;  ///< index into Scene::textures
   std::uint32_t uv_set = 1;
-  float strength = 1;  ///< W/m^2
+  float strength = 1;  ///< W/m^2, of light
+  Kind kind = Kind::light;
 };
 
 /// Writes a .glb that gltf-validator passes without error. Exact primitives are tessellated, infinite planes cut to a

@@ -58,27 +58,6 @@ double solid_angle(std::span<const Vec3d> polygon, const Vec3d& from) {
   return std::abs(sum);
 }
 
-/// A flux that a light of unit intensity on its axis sends through its cone, sr: the squared ramp of
-/// KHR_lights_punctual integrated over the sphere.
-double cone_integral(const SpotLight& spot) {
-  const double outer = std::cos(spot.outer_angle);
-  const double ramp = std::max(0.001, std::cos(spot.inner_angle) - outer);
-  // Over the cosine: ramp^2 rises from 0 to 1 over `ramp`, then stays; the cosine ends at 1.
-  const double rising = std::min(ramp, 1 - outer), share = rising / ramp;
-  return 2 * pi * (rising * share * share / 3 + std::max(0.0, 1 - outer - ramp));
-}
-
-/// The flux of a punctual light, W; none when it is counted by what reaches the elements.
-std::optional<Vec3d> own_flux(const Scene& scene, const Light& light) {
-  if (const auto* point = std::get_if<PointLight>(&light.kind)) {
-    if (point->web) return luminous_flux(scene.webs[point->web->web]) * Vec3d(point->intensity);
-    if (point->inverse_square) return 4 * pi * Vec3d(point->intensity);
-  } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
-    return cone_integral(*spot) * Vec3d(spot->intensity);
-  }
-  return std::nullopt;
-}
-
 void set_lane(RayPacket& packet, int lane, const Ray& ray) {
   const Vec3f o(ray.origin), d(ray.direction);
   packet.origin_x[lane] = o.x, packet.origin_y[lane] = o.y, packet.origin_z[lane] = o.z;
@@ -159,7 +138,7 @@ class Gatherer {
   }
   [[nodiscard]] std::optional<Vec3d> flux(std::size_t number) const {
     const auto& source = lights_.light(used_[number]);
-    return source.kind == LightSampler::Kind::punctual ? own_flux(scene_, scene_.lights[source.index]) : std::nullopt;
+    return source.kind == LightSampler::Kind::punctual ? light_flux(scene_, scene_.lights[source.index]) : std::nullopt;
   }
 
   [[nodiscard]] Vec3d irradiance(const PatchMesh& elements, std::size_t element, std::size_t number) const {

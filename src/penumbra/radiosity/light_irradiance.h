@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "penumbra/math/vec.h"
@@ -21,6 +22,10 @@ struct LightIrradiance {
 /// The strength of a light: intensity (W/sr), irradiance (W/m^2) of a far light, radiance (W/(m^2 sr)) of the
 /// environment, before its picture; 0 for ambient light.
 [[nodiscard]] Vec3d light_strength(const Scene& scene, std::size_t light);
+
+/// The flux of a light without a body, W; none for those that count as emitting what reaches the scene: far lights, and
+/// points without falloff.
+[[nodiscard]] std::optional<Vec3d> light_flux(const Scene& scene, const Light& light);
 
 /// The sum of what the lights bring at their present strengths, [element * 3 + band], W/m^2; empty without lights.
 [[nodiscard]] std::vector<double> irradiance_of(const Scene& scene, const std::vector<LightIrradiance>& lights);

@@ -24,8 +24,14 @@ class DiffuseLight {
   [[nodiscard]] virtual Rgb direct(const Place& place, std::uint64_t key, std::uint32_t rays) const = 0;
   /// Irradiance from everywhere else, W/m^2.
   [[nodiscard]] virtual Rgb indirect(const Place& place) const = 0;
-  /// Both together, as smooth as the elements are: for rays that look from afar.
+  /// The part of `indirect` that comes straight from lights by way of mirrors and glass, W/m^2, where it is known
+  /// apart: rays that gather the rest need not find it.
+  [[nodiscard]] virtual Rgb caustics(const Place& place) const = 0;
+  [[nodiscard]] virtual bool knows_caustics() const = 0;
+  /// All of it, as smooth as the elements are: for rays that look from afar.
   [[nodiscard]] virtual Rgb total(const Place& place) const = 0;
+  /// The distance over which `indirect` and `total` are smooth there, m: the size of the elements.
+  [[nodiscard]] virtual double fineness(const Place& place) const = 0;
   /// Whether light that the surface emits there is counted by `direct`.
   [[nodiscard]] virtual bool is_lamp(const Place& place) const = 0;
 };

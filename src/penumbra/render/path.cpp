@@ -40,6 +40,7 @@ class Path final : public RayIntegrator {
         shadow_(tracer, false),
         airlight_(lights_, shadow_),
         max_depth_(options.max_depth),
+        caustics_(options.caustics),
         front_sides_only_(options.front_sides_only) {}
 
   [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override;
@@ -77,6 +78,7 @@ class Path final : public RayIntegrator {
   Shadow shadow_;
   Airlight airlight_;
   int max_depth_;
+  bool caustics_;
   bool front_sides_only_;
 };
 
@@ -135,7 +137,7 @@ Rgb Path::sky(const Walk& walk) const {
   if (walk.mirrors_only) return lights_.seen_in_sky(walk.ray.direction);  // directly or in mirrors
   const Rgb radiance = lights_.environment().radiance(walk.ray.direction);
   if (!lights_.environment().lights_surfaces()) return Rgb(0);
-  if (walk.bsdf_pdf == 0) return radiance;
+  if (walk.bsdf_pdf == 0) return caustics_ ? radiance : Rgb(0);
   return radiance * static_cast<float>(
                         power_heuristic(walk.bsdf_pdf, lights_.environment_pdf(walk.ray.direction, walk.last_facing)));
 }
@@ -145,7 +147,7 @@ Rgb Path::emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMate
   const Material& material = tracer_.scene().materials[point.material];
   if (material.unlit) return walk.mirrors_only ? surface.emission : Rgb(0);  // a picture of light, not a lamp
   if (!emits_towards(material, point.geometric_normal, -walk.ray.direction)) return Rgb(0);
-  if (walk.bsdf_pdf == 0) return surface.emission;
+  if (walk.bsdf_pdf == 0) return caustics_ || walk.mirrors_only ? surface.emission : Rgb(0);
   return surface.emission *
          static_cast<float>(power_heuristic(walk.bsdf_pdf, lights_.pdf(walk.last_position, point, walk.last_facing)));
 }

@@ -47,8 +47,11 @@ struct RenderOptions {
   int max_depth = 0;  ///< longest path in segments after the primary ray; 0: 16 for whitted, no limit for path
   double min_throughput =
       1e-3;  ///< whitted ends a ray whose weight falls below this; path's Russian roulette starts there (unbiased)
-  std::optional<Region> region;   ///< none: everything
-  bool opaque_shadows = false;    ///< glass stops shadow rays in appel and whitted
+  std::optional<Region> region;  ///< none: everything
+  bool opaque_shadows = false;   ///< glass stops shadow rays in appel and whitted
+  /// Path only: light that reaches a surface with spread by way of mirrors and glass. False leaves it out: much less
+  /// noise, but darker (leave_caustics_out does the same to a solution).
+  bool caustics = true;
   bool front_sides_only = false;  ///< backs are black and opaque
   /// Of appel and whitted: shadow rays that a sample sends to a lamp where the lamp's shadows may end; one elsewhere.
   /// Up to 1: one everywhere.

@@ -1,6 +1,7 @@
 #include "penumbra/render/solution_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "penumbra/math/polygon.h"
@@ -23,12 +24,18 @@ std::span<const Vec3d> normals_of(const PatchMesh& elements) {
 
 }  // namespace
 
-SolutionLight::SolutionLight(const Scene& scene, const PatchMesh& elements, std::span<const double> irradiance,
-                             const LampIrradiance& lamps)
-    : scene_(scene), lamps_(lamps), shading_(make_shading_mesh(elements)), sight_(shading_, normals_of(elements)) {
+SolutionLight::SolutionLight(const RayTracer& tracer, const PatchMesh& elements, std::span<const double> irradiance,
+                             std::span<const double> caustics, const LampIrradiance& lamps)
+    : tracer_(tracer),
+      scene_(tracer.scene()),
+      lamps_(lamps),
+      shading_(make_shading_mesh(elements)),
+      sight_(shading_, normals_of(elements)) {
   indirect_ = shading_.at_vertices(without_lamps(lamps, elements, irradiance), 3);
+  if (!caustics.empty()) caustics_ = shading_.at_vertices(caustics, 3);
   total_ = shading_.at_vertices(irradiance, 3);
   views_.resize(elements.radiating_count);
+  for (std::size_t e = 0; e < elements.radiating_count; ++e) sizes_.push_back(std::sqrt(elements.areas[e]));
   parallel_for(views_.size(), 16, [&](std::size_t first, std::size_t last) {
     for (std::size_t e = first; e < last; ++e) views_[e] = lamps.view(elements.polygon(e));
   });
@@ -74,7 +81,7 @@ Rgb SolutionLight::blend(const std::vector<double>& at_vertices, const ElementSi
 }
 
 Rgb SolutionLight::direct(const Place& place, std::uint64_t key, std::uint32_t rays) const {
-  const LampIrradiance::ShadowRays shadow{key, rays};
+  const LampIrradiance::ShadowRays shadow{key, rays, scene_.shapes.empty() ? nullptr : &tracer_};
   if (dot(place.side, place.normal) > flat && place.point.object < scene_.instances.size()) {
     if (const auto at = find(place)) return Rgb(views_[at->element].at(place.point.position, shadow));
   }
@@ -86,9 +93,19 @@ Rgb SolutionLight::indirect(const Place& place) const {
   return at ? glm::max(Rgb(0), blend(indirect_, *at)) : Rgb(0);
 }
 
+Rgb SolutionLight::caustics(const Place& place) const {
+  const auto at = find(place);
+  return at ? glm::max(Rgb(0), blend(caustics_, *at)) : Rgb(0);
+}
+
 Rgb SolutionLight::total(const Place& place) const {
   const auto at = find(place);
   return at ? glm::max(Rgb(0), blend(total_, *at)) : Rgb(0);
+}
+
+double SolutionLight::fineness(const Place& place) const {
+  const auto at = find(place);
+  return at ? sizes_[at->element] : 0;
 }
 
 bool SolutionLight::is_lamp(const Place& place) const {

@@ -20,6 +20,9 @@ constexpr auto inverse_pi = static_cast<float>(std::numbers::inv_pi);
 /// Shadow rays to a lamp at a point, over all samples of a pixel, and for each sample at least.
 constexpr int shadow_rays_a_pixel = 64;
 constexpr int fewest_shadow_rays = 4;
+/// A gathering ray that lands within this many sizes of the element there goes on, at most so often.
+constexpr double close_by = 2;
+constexpr int most_turns = 4;
 /// Gathered light in mirrors needs fewer rays.
 constexpr int gather_share_in_mirrors = 4;
 
@@ -57,7 +60,8 @@ class TwoPass final : public RayIntegrator {
   std::uint32_t shadow_rays_;
 };
 
-/// What one camera ray sees or, from a diffuse surface, one gathering ray.
+/// What one camera ray sees or, from a diffuse surface, one gathering ray. What mirrors and glass bring straight from
+/// lights (caustics) is left to the solution where it tells it apart: few gathering rays would find it.
 class TwoPass::Eye final : public SpecularTree::Visitor {
  public:
   /// @param seen the layers of a camera ray; none: a gathering ray, which sees no lamps where it lands and takes all
@@ -78,6 +82,7 @@ class TwoPass::Eye final : public SpecularTree::Visitor {
   Rgb sky(const Ray& ray, const SpecularTree::Branch& branch) override {
     const EnvironmentMap& environment = owner_.gloss_light_.lights().environment();
     if (branch.depth == lampless_depth_ && environment.lights_surfaces()) return Rgb(0);
+    if (leaves_caustics(branch.depth)) return Rgb(0);
     if (seen_ == nullptr && !environment.lights_surfaces()) return Rgb(0);
     const Rgb radiance = seen_ != nullptr ? owner_.gloss_light_.lights().seen_in_sky(ray.direction)
                                           : environment.radiance(ray.direction);
@@ -94,11 +99,17 @@ class TwoPass::Eye final : public SpecularTree::Visitor {
   }
 
  private:
+  /// A gathering ray that met a mirror or glass sees no lights that way: the solution has what they bring.
+  [[nodiscard]] bool leaves_caustics(int depth) const {
+    return seen_ == nullptr && depth > 0 && owner_.light_.knows_caustics();
+  }
+
   [[nodiscard]] Rgb emitted(const SpecularTree::Node& node) const {
     const Material& material = owner_.tree_.tracer().scene().materials[node.point.material];
     if (material.unlit) return seen_ != nullptr ? node.surface.emission : Rgb(0);
     if (is_black(node.surface.emission) || node.branch.depth == lampless_depth_) return Rgb(0);
     if (!emits_towards(material, node.point.geometric_normal, node.wo)) return Rgb(0);
+    if (leaves_caustics(node.branch.depth)) return Rgb(0);
     if (seen_ == nullptr && node.branch.depth == 0 && owner_.light_.is_lamp(place_of(node))) return Rgb(0);
     return node.surface.emission;
   }
@@ -109,18 +120,33 @@ class TwoPass::Eye final : public SpecularTree::Visitor {
     const Rgb reflectance = node.bsdf.diffuse_albedo(node.wo);
     if (is_black(reflectance)) return Rgb(0);
     const DiffuseLight::Place place = place_of(node);
-    if (seen_ == nullptr) return reflectance * inverse_pi * owner_.light_.total(place);
+    if (seen_ == nullptr && !lands_close(node, place)) return reflectance * inverse_pi * owner_.light_.total(place);
     const std::uint64_t key = std::bit_cast<std::uint64_t>(sampler_.next_1d());
+    if (seen_ == nullptr) {
+      const Rgb lamps = owner_.light_.direct(place, hash_key(key), fewest_shadow_rays);
+      return reflectance * inverse_pi * (lamps + gather(node, place, key, 1));
+    }
     straight_ = reflectance * inverse_pi * owner_.light_.direct(place, hash_key(key), owner_.shadow_rays_);
     const Rgb straight = straight_;
-    const Rgb indirect = owner_.gather_ > 0 ? gather(node, place, key) : owner_.light_.indirect(place);
+    const Rgb indirect =
+        owner_.gather_ > 0 ? gather(node, place, key, rays_to_gather(node)) : owner_.light_.indirect(place);
     straight_ = straight;
     return straight + reflectance * inverse_pi * indirect;
   }
 
+  [[nodiscard]] int rays_to_gather(const SpecularTree::Node& node) const {
+    return node.branch.depth == 0 ? owner_.gather_ : std::max(1, owner_.gather_ / gather_share_in_mirrors);
+  }
+
+  /// Whether a gathering ray lands so near that the elements are too coarse to be looked up: in corners, and where
+  /// things touch, also when a mirror sent it there. It goes on from there then.
+  [[nodiscard]] bool lands_close(const SpecularTree::Node& node, const DiffuseLight::Place& place) const {
+    return turns_ < most_turns &&
+           length(node.point.position - node.ray.origin) < close_by * owner_.light_.fineness(place);
+  }
+
   /// Indirect irradiance by rays that look the solution up where they land.
-  Rgb gather(const SpecularTree::Node& node, const DiffuseLight::Place& place, std::uint64_t key) {
-    const int count = node.branch.depth == 0 ? owner_.gather_ : std::max(1, owner_.gather_ / gather_share_in_mirrors);
+  Rgb gather(const SpecularTree::Node& node, const DiffuseLight::Place& place, std::uint64_t key, int count) {
     const Frame frame(place.normal);
     Rgb sum(0);
     for (int k = 0; k < count; ++k) {
@@ -129,10 +155,12 @@ class TwoPass::Eye final : public SpecularTree::Visitor {
       if (!(dot(direction, place.side) > 0)) continue;
       penumbra::count(rays_, RayPurpose::diffuse, node.branch.depth + 1);
       Eye afar(owner_, sampler_, rays_, nullptr);
+      afar.turns_ = turns_ + 1;
       sum += owner_.tree_.trace(leave(node.point, direction),
                                 {.start = node.point.position, .interior = node.branch.interior}, afar);
     }
-    return std::numbers::pi_v<float> / static_cast<float>(count) * sum;
+    const Rgb gathered = std::numbers::pi_v<float> / static_cast<float>(count) * sum;
+    return owner_.light_.knows_caustics() ? gathered + owner_.light_.caustics(place) : gathered;
   }
 
   /// Lobes with spread: shadow rays to the lights, and one ray by chance that sees all but these.
@@ -142,8 +170,11 @@ class TwoPass::Eye final : public SpecularTree::Visitor {
     if (seen_ == nullptr && !(s.metallic > 0 || s.transmission > 0)) return Rgb(0);  // a faint layer, from afar
     const Bsdf lobes = node.bsdf.without_base();
     if (!lobes.has_spread()) return Rgb(0);
-    Rgb radiance = owner_.gloss_light_.reflected(node.point, lobes, node.wo, followed_roughness, node.branch.depth,
-                                                 sampler_, rays_);
+    Rgb radiance(0);
+    if (!leaves_caustics(node.branch.depth + 1)) {
+      radiance = owner_.gloss_light_.reflected(node.point, lobes, node.wo, followed_roughness, node.branch.depth,
+                                               sampler_, rays_);
+    }
     const double u_lobe = sampler_.next_1d();
     const auto chosen = lobes.sample(node.wo, u_lobe, sampler_.next_2d());
     if (!chosen || chosen->ideal) return radiance;  // ideal lobes are the tree's
@@ -160,6 +191,7 @@ class TwoPass::Eye final : public SpecularTree::Visitor {
   RayCounts& rays_;
   PixelEstimate* seen_;
   Rgb straight_{0};          // of the surface at hand, straight from the lamps
+  int turns_ = 0;            // gathering rays so far, one from where the other landed
   int lampless_depth_ = -1;  // rays of this depth see no lights: shadow rays found them
 };
 

@@ -185,6 +185,8 @@ void LampIrradiance::list_occluders(std::span<const Vec3d> receiver, const Plane
                  if (above.size() < 3) return;
                  clip_polygon(above, lamp_plane, 0, between);
                  if (between.size() < 3) return;
+                 seen.is_round =
+                     seen.is_round || faces_.surfaces[faces_.surface_of[p]].object >= scene_.instances.size();
                  too_many = seen.occluders.size() == most_occluders;
                  if (!too_many) seen.occluders.push_back(between);
                });
@@ -212,14 +214,15 @@ double LampIrradiance::visible_factor(const Vec3d& point, const Vec3d& normal, c
   return std::min(sum, whole);
 }
 
-bool LampIrradiance::is_hidden(const Vec3d& point, const Vec3d& normal, const Vec3d& direction, double distance) const {
+bool LampIrradiance::is_hidden(const Vec3d& point, const Vec3d& normal, const Vec3d& direction, double distance,
+                               const ShadowRays& shadow) const {
   SurfacePoint from;
   from.position = point;
   from.error = Vec3d(rounding_);
   from.geometric_normal = from.shading_normal = normal;
   Ray ray = leave(from, direction);
   ray.t_max = distance * (1 - 1e-5);
-  return tracer_->occluded(ray);
+  return (shadow.tracer != nullptr ? *shadow.tracer : *tracer_).occluded(ray);
 }
 
 double LampIrradiance::sampled_factor(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const Lamp& lamp,
@@ -245,19 +248,20 @@ double LampIrradiance::sampled_factor(const Vec3d& point, const Vec3d& geometric
         length(cross(e1, e2)) * std::max(0.0, dot(way, normal)) * std::max(0.0, -dot(way, lamp_normal)) / (r2 * r2);
     if (!(weight > 0)) continue;
     all += weight;
-    if (!is_hidden(point, geometric, way / std::sqrt(r2), std::sqrt(r2))) seen += weight;
+    if (!is_hidden(point, geometric, way / std::sqrt(r2), std::sqrt(r2), shadow)) seen += weight;
   }
   return all > 0 ? whole * seen / all : 0;
 }
 
-Vec3d LampIrradiance::without_body(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal,
-                                   const Lamp& lamp) const {
+Vec3d LampIrradiance::without_body(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const Lamp& lamp,
+                                   const ShadowRays& shadow) const {
   SurfacePoint from;
   from.position = point;
   from.error = Vec3d(rounding_);
   from.geometric_normal = from.shading_normal = geometric;
+  const RayTracer& tracer = shadow.tracer != nullptr ? *shadow.tracer : *tracer_;
   const auto sample = sampler_.sample_light(lamp.light, from, Vec2d(0));
-  if (!sample || !(dot(sample->direction, geometric) > 0) || tracer_->occluded(sample->shadow_ray)) return Vec3d(0);
+  if (!sample || !(dot(sample->direction, geometric) > 0) || tracer.occluded(sample->shadow_ray)) return Vec3d(0);
   return std::max(0.0, dot(sample->direction, normal)) * Vec3d(sample->radiance);
 }
 
@@ -266,7 +270,7 @@ Vec3d LampIrradiance::at(const Vec3d& point, const Vec3d& geometric, const Vec3d
   Vec3d sum(0);
   for (const Lamp& lamp : lamps_) {
     sum += lamp.kind == Lamp::Kind::patch ? lamp.strength * sampled_factor(point, geometric, normal, lamp, rays)
-                                          : without_body(point, geometric, normal, lamp);
+                                          : without_body(point, geometric, normal, lamp, rays);
   }
   return sum;
 }
@@ -276,8 +280,8 @@ Vec3d LampIrradiance::View::at(const Vec3d& point, const ShadowRays& rays) const
   for (const Seen& seen : seen_) {
     const Lamp& lamp = owner_->lamps_[seen.lamp];
     if (lamp.kind != Lamp::Kind::patch) {
-      sum += owner_->without_body(point, normal_, normal_, lamp);
-    } else if (seen.by_rays) {
+      sum += owner_->without_body(point, normal_, normal_, lamp, rays);
+    } else if (seen.by_rays || (seen.is_round && rays.tracer != nullptr)) {
       sum += lamp.strength * owner_->sampled_factor(point, normal_, normal_, lamp, rays);
     } else {
       sum += lamp.strength * owner_->visible_factor(point, normal_, seen);

@@ -31,8 +31,9 @@ struct Lamp {
 ///
 /// What a point sees of an emitting polygon is what remains when the pyramids over all polygons in between are cut out
 /// of it; Lambert's edge sum over the rest is exact. Where more than `most_occluders` polygons may stand in between,
-/// rays to points of the lamp decide instead (64, fewer where there are many lamps). Points, spots (taken as points
-/// that shine all around) and far lights get one shadow ray. Every face is opaque. Thread-safe.
+/// rays to points of the lamp decide instead (64, fewer where there are many lamps); also where a round shape does,
+/// when its true form is asked for (ShadowRays::tracer). Points, spots (taken as points that shine all around) and far
+/// lights get one shadow ray. Every face is opaque. Thread-safe.
 class LampIrradiance {
  public:
   static constexpr std::size_t most_occluders = 32;
@@ -56,6 +57,8 @@ class LampIrradiance {
   struct ShadowRays {
     std::uint64_t key = 0;    ///< of the points: the same everywhere, or another for each look, so that looks average
     std::uint32_t count = 0;  ///< to each lamp; 0: 16 to 64
+    /// Of the scene, whose round shapes then stand in the way as they are, not as polygons; none: the faces.
+    const RayTracer* tracer = nullptr;
   };
   /// Irradiance of a free point on a side, W/m^2: what is seen of lamps is decided by rays.
   /// @param geometric unit normal of the surface there. @param normal unit, that which the light is weighed by.
@@ -76,6 +79,7 @@ class LampIrradiance {
       std::uint32_t lamp;
       std::vector<std::vector<Vec3d>> occluders;  // in front of the receiver and of the lamp
       bool by_rays = false;
+      bool is_round = false;  // polygons of a round shape are among the occluders
     };
     const LampIrradiance* owner_ = nullptr;
     Vec3d normal_{0};
@@ -91,9 +95,10 @@ class LampIrradiance {
   [[nodiscard]] double visible_factor(const Vec3d& point, const Vec3d& normal, const View::Seen& seen) const;
   [[nodiscard]] double sampled_factor(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const Lamp& lamp,
                                       const ShadowRays& shadow) const;
-  [[nodiscard]] Vec3d without_body(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal,
-                                   const Lamp& lamp) const;
-  [[nodiscard]] bool is_hidden(const Vec3d& point, const Vec3d& normal, const Vec3d& direction, double distance) const;
+  [[nodiscard]] Vec3d without_body(const Vec3d& point, const Vec3d& geometric, const Vec3d& normal, const Lamp& lamp,
+                                   const ShadowRays& shadow) const;
+  [[nodiscard]] bool is_hidden(const Vec3d& point, const Vec3d& normal, const Vec3d& direction, double distance,
+                               const ShadowRays& shadow) const;
 
   const Scene& scene_;
   const PatchMesh& faces_;

@@ -217,6 +217,14 @@ double specular_error(const RadiositySetup& setup, const RadiositySolution& solu
   return all > 0 ? power_of(setup.problem, setup.problem.specular->standard_errors(solution.radiosity)) / all : 0;
 }
 
+// What mirrors and glass bring straight from lights, with a body and without.
+std::vector<double> caustic_irradiance(const RadiosityProblem& problem) {
+  std::vector<double> irradiance = problem.specular_irradiance;
+  irradiance.resize(problem.bands * problem.element_count(), 0);
+  problem.specular->gather(0, problem.element_count(), problem.emission, irradiance);
+  return irradiance;
+}
+
 // Where mirrors and glass pass light on, elements stay as they were made.
 bool refines_as_it_shoots(const Scene& scene, const RadiositySetupOptions& options) {
   const bool specular =
@@ -315,6 +323,18 @@ void relight(const Scene& scene, RadiositySetup& setup) {
   setup.problem.specular_irradiance = irradiance_of(scene, setup.specular_lights);
 }
 
+void leave_caustics_out(RadiositySetup& setup) {
+  setup.specular_lights.clear();
+  setup.problem.specular_irradiance.clear();
+  if (!setup.problem.specular) return;
+  SpecularTransport transport = *setup.problem.specular;
+  for (std::size_t k = 0; k < transport.columns.size(); ++k) {
+    const double* const emission = &setup.problem.emission[std::size_t{3} * transport.columns[k]];
+    if (emission[0] + emission[1] + emission[2] > 0) std::fill_n(&transport.values[3 * k], 3, 0.0F);
+  }
+  setup.problem.specular = std::make_shared<const SpecularTransport>(std::move(transport));
+}
+
 SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
   SceneRadiosity result;
   RadiositySolution& solution = result.solution;
@@ -328,7 +348,10 @@ SceneRadiosity solve(RadiositySetup& setup, const SolverOptions& options) {
     solution = solve_radiosity(setup.solver, setup.problem, setup.factors, options);
   }
   solution.partial = solution.partial || setup.partial;
-  if (setup.problem.specular) result.specular_error = specular_error(setup, solution);
+  if (setup.problem.specular) {
+    result.specular_error = specular_error(setup, solution);
+    result.caustics = caustic_irradiance(setup.problem);
+  }
   result.absorbed_by_air = absorbed_by_air(setup, solution);
   solution.energy.escaped -= result.absorbed_by_air;
   if (setup.front_sides_only) {

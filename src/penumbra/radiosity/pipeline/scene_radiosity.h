@@ -83,11 +83,18 @@ void repaint(const Scene& scene, bool with_mirrors, RadiositySetup& setup);
 /// Lights without a body at the strength that they have in `scene` now, by what they brought when the setup was made.
 void relight(const Scene& scene, RadiositySetup& setup);
 
+/// Takes out what mirrors and glass bring straight from lights, on every bounce; what they bring from other surfaces
+/// stays.
+void leave_caustics_out(RadiositySetup& setup);
+
 /// A solved scene.
 struct SceneRadiosity {
   RadiositySolution solution;    ///< its energy without what backs absorbed, when they are black
   double absorbed_by_air = 0;    ///< W, summed over bands, on the way between elements; no part of what escaped
   double absorbed_by_backs = 0;  ///< W, summed over bands; 0 unless front_sides_only
+  /// The part of the irradiance that comes straight from lights by way of mirrors and glass, [element * 3 + band],
+  /// W/m^2; empty without such surfaces.
+  std::vector<double> caustics;
   /// Standard error of the irradiance that comes by way of mirrors and glass, for it is sampled: mean over the
   /// elements' area, as a share of the mean irradiance. 0 without such light.
   double specular_error = 0;
