@@ -250,7 +250,8 @@ RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderO
     return trace_light(tracer, camera, options, progress);
   }
   const auto began = Clock::now();
-  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
+  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel,
+                        tracer.has_motion());
   return draw(*make_integrator(tracer, rays, options), options, progress, began);
 }
 

@@ -11,6 +11,7 @@
 #include "penumbra/scene/material.h"
 #include "penumbra/scene/medium.h"
 #include "penumbra/scene/mesh.h"
+#include "penumbra/scene/motion.h"
 #include "penumbra/scene/shape.h"
 #include "penumbra/scene/texture.h"
 
@@ -21,6 +22,7 @@ struct Instance {
   std::string name;
   std::uint32_t mesh = 0;  ///< index into Scene::meshes
   Mat4d to_world{1.0};     ///< affine; when it mirrors, the front of each triangle stays the front
+  Motion motion{};         ///< where it is while the shutter is open; empty: it rests at `to_world`
 };
 
 /// An exact primitive with its material.
