@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "penumbra/io/json_value.h"
 
@@ -49,6 +50,8 @@ class JsonPlace {
     read_numbers(key, values.data(), N);
     return values;
   }
+  /// Any count of finite numbers; none when it is not there.
+  [[nodiscard]] std::vector<double> number_list(std::string_view key) const;
   /// The object `extras.NAME`, if it is there: extras of other programs may be of any kind and are passed over.
   [[nodiscard]] std::optional<JsonPlace> extras(std::string_view name) const;
 
