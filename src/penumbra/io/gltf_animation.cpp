@@ -69,7 +69,8 @@ void GltfAnimation::read_channel(GltfAccessors& accessors, const JsonPlace& anim
   if (!target) channel.fail("has no target; export the file again");
   const auto node = target->whole("node");
   const std::string name = target->text("path");
-  const std::array paths{std::pair{"translation", 3U}, {"rotation", 4U}, {"scale", 3U}, {"weights", 0U}};
+  const std::array<std::pair<std::string_view, std::size_t>, 4> paths{
+      {{"translation", 3}, {"rotation", 4}, {"scale", 3}, {"weights", 0}}};
   const auto known = std::find_if(paths.begin(), paths.end(), [&](const auto& p) { return name == p.first; });
   if (!node || known == paths.end()) return;  // an extension's business
 
@@ -107,7 +108,7 @@ void GltfAnimation::read_channel(GltfAccessors& accessors, const JsonPlace& anim
         sampler.fail(fmt::format("key value {} is not a finite number; export the file again", i));
     }
   }
-  tracks_[{static_cast<std::uint32_t>(*node), static_cast<Path>(known - paths.begin())}] = std::move(track);
+  tracks_[std::pair(static_cast<std::uint32_t>(*node), static_cast<Path>(known - paths.begin()))] = std::move(track);
 }
 
 std::vector<double> GltfAnimation::Track::at(double time, bool is_rotation) const {

@@ -27,7 +27,9 @@ std::optional<std::uint64_t> chosen_gltf_item(const GltfDocument& document, std:
   for (std::size_t i = 0; i < count; ++i) {
     const std::string name = document.item(list, noun, i, document.root()).text("name");
     if (name == *choice) return i;
-    if (i < most_shown) names += fmt::format("{}{}{}", i > 0 ? ", " : "", i, name.empty() ? "" : " " + shown(name));
+    if (i >= most_shown) continue;
+    names += fmt::format("{}{}", i > 0 ? ", " : "", i);
+    if (!name.empty()) names += fmt::format(" {}", shown(name));
   }
   std::uint64_t index = 0;
   const auto [end, error] = std::from_chars(choice->data(), choice->data() + choice->size(), index);

@@ -231,6 +231,7 @@ std::vector<Mesh> GltfMeshes::read(std::uint64_t index, const JsonPlace& user, c
   const std::string name = place.text("name").empty() ? place.place() : place.text("name");
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     meshes[i].name = meshes.size() == 1 ? name : fmt::format("{} (part {})", name, i + 1);
+    meshes[i].extras = place.extras_without("penumbra");
     finish(meshes[i], place, document_->warnings());
   }
   return meshes;

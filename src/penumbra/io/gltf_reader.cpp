@@ -94,12 +94,13 @@ class SceneReader {
       const JsonPlace eye = document_.item("cameras", "camera", *index, place);
       Camera camera = read_gltf_camera(eye, node.to_world);
       if (!name.empty()) camera.name = name;
+      camera.extras = place.extras_without("penumbra");
       camera.motion = motion_of(node, [&](const Mat4d& m) { return read_gltf_camera(eye, m).to_world; });
       scene_.cameras.push_back(std::move(camera));
     }
     const auto extensions = place.object("extensions");
     if (const auto light = extensions ? extensions->object("KHR_lights_punctual") : std::nullopt) {
-      place_light(*light, name, node.to_world);
+      place_light(*light, name, place.extras_without("penumbra"), node.to_world);
       if (options_.shutter && node.moves) note_still_light(place);
     }
   }
@@ -123,6 +124,7 @@ class SceneReader {
     const bool has_skin = !bent.joints.empty();
     for (const std::uint32_t mesh : bent.bends() ? read_meshes(index, node, bent) : shared_meshes(index, node)) {
       Instance instance{.name = name.empty() ? scene_.meshes[mesh].name : name, .mesh = mesh};
+      instance.extras = node.extras_without("penumbra");
       if (!has_skin) {
         instance.to_world = placed.to_world;
         instance.motion = motion_of(placed, [](const Mat4d& m) { return m; });
@@ -178,7 +180,7 @@ class SceneReader {
     return bent;
   }
 
-  void place_light(const JsonPlace& user, const std::string& name, const Mat4d& to_world) {
+  void place_light(const JsonPlace& user, const std::string& name, std::string extras, const Mat4d& to_world) {
     const auto extensions = document_.root().object("extensions");
     const auto holder = extensions ? extensions->object("KHR_lights_punctual") : std::nullopt;
     const auto lights = holder ? holder->list("lights") : std::nullopt;
@@ -190,6 +192,7 @@ class SceneReader {
     const JsonPlace place = lights->item(static_cast<std::size_t>(index), "light");
     Light light = read_gltf_light(place, to_world);
     if (!name.empty()) light.name = name;
+    light.extras = std::move(extras);
     scene_.lights.push_back(std::move(light));
     const auto extras = place.extras("penumbra");
     if (extras && extras->has("ies")) hang_luminaire(*extras, to_world);
@@ -211,6 +214,7 @@ class SceneReader {
   }
 
   void read_scene_extras(const JsonPlace& scene) {
+    scene_.extras = scene.extras_without("penumbra");
     const auto extras = scene.extras("penumbra");
     if (!extras) return;
     if (const auto environment = extras->object("environment")) {

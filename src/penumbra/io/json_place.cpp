@@ -119,6 +119,15 @@ std::optional<JsonPlace> JsonPlace::extras(std::string_view name) const {
   return child("extras", *extras).object(name);
 }
 
+std::string JsonPlace::extras_without(std::string_view name) const {
+  const JsonValue* extras = find("extras");
+  if (extras == nullptr) return {};
+  if (extras->object() == nullptr) return json_text(*extras);
+  JsonValue::Object kept = *extras->object();
+  if (const auto found = kept.find(name); found != kept.end()) kept.erase(found);
+  return kept.empty() ? std::string() : json_text(JsonValue{std::move(kept)});
+}
+
 const JsonValue::Array& JsonPlace::array() const {
   if (const auto* elements = value_->array()) return *elements;
   fail(fmt::format("must be an array but is {}; export the file again", kind_of(*value_)));

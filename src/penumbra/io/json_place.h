@@ -55,6 +55,9 @@ class JsonPlace {
   /// The object `extras.NAME`, if it is there: extras of other programs may be of any kind and are passed over.
   [[nodiscard]] std::optional<JsonPlace> extras(std::string_view name) const;
 
+  /// The extras as JSON text, without what is read from `extras.NAME`; empty when nothing is left.
+  [[nodiscard]] std::string extras_without(std::string_view name) const;
+
   // Elements of an array; each throws when this is no array.
 
   [[nodiscard]] std::size_t size() const;

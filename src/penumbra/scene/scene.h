@@ -23,6 +23,7 @@ struct Instance {
   std::uint32_t mesh = 0;  ///< index into Scene::meshes
   Mat4d to_world{1.0};     ///< affine; when it mirrors, the front of each triangle stays the front
   Motion motion{};         ///< where it is while the shutter is open; empty: it rests at `to_world`
+  std::string extras{};    ///< what the file says besides, as JSON: glTF's extras of its node; empty: nothing
 };
 
 /// An exact primitive with its material.
@@ -50,6 +51,7 @@ struct Scene {
   /// with a medium) their own medium stands instead. At most `most_media_in_air`; where several are, they add up.
   std::vector<std::uint32_t> air;
   std::vector<Camera> cameras;
+  std::string extras{};  ///< as Instance::extras, of the file's scene
 
   [[nodiscard]] std::size_t object_count() const { return instances.size() + shapes.size(); }
   [[nodiscard]] const std::string& object_name(std::size_t object) const {
