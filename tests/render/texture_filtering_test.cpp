@@ -26,6 +26,18 @@ Material checker() {
   return m;
 }
 
+/// As bright under ambient light of radiance 1, but not unlit: what packets of rays shade.
+Material matt_checker(Scene& scene) {
+  scene.lights.push_back({"", AmbientLight{Rgb(1)}});
+  Material m = checker();
+  m.unlit = false;
+  return m;
+}
+
+Rgb brightness(const SurfaceMaterial& surface) {
+  return surface.emission + (1 - surface.transmission) * surface.base_colour;
+}
+
 /// Squares of eight texels that repeat; unlit.
 Material checkered_texture(Scene& scene) {
   TextureImage image{"squares", 16, 16, 1, {}};
@@ -110,7 +122,7 @@ Floor seen_directly(const std::function<Material(Scene&)>& material) {
 float radiance_at_point(const RayTracer& tracer, const Ray& ray) {
   const auto hit = tracer.nearest(ray);
   if (!hit) return 0;
-  return surface_material(tracer.scene(), tracer.surface_point(ray, *hit)).emission.y;
+  return brightness(surface_material(tracer.scene(), tracer.surface_point(ray, *hit))).y;
 }
 
 void expect_filtered(const std::function<Material(Scene&)>& material, int samples_of_truth) {
@@ -133,6 +145,8 @@ TEST(TextureFiltering, ACheckerOfFewSamplesIsNearThatOfMany) {
   expect_filtered([](Scene&) { return checker(); }, 256);
 }
 
+TEST(TextureFiltering, AMattCheckerInPacketsToo) { expect_filtered(matt_checker, 256); }
+
 TEST(TextureFiltering, ATextureOfFewSamplesIsNearThatOfMany) { expect_filtered(checkered_texture, 256); }
 
 // What is averaged over less and less is read at points in the end: pictures of many samples agree.
@@ -151,8 +165,9 @@ TEST(TextureFiltering, LeavesNoBiasInManySamplesSlow) {
 }
 
 /// The floor by way of one mirror ball, or through a pane and a ball of glass.
-void expect_filtered_beyond(const Shape& shape, const Material& material) {
-  Floor floor = seen_directly([](Scene&) { return checker(); });
+void expect_filtered_beyond(const std::function<Material(Scene&)>& floor_material, const Shape& shape,
+                            const Material& material) {
+  Floor floor = seen_directly(floor_material);
   add_shape(floor.scene, shape, material);
   const RayTracer tracer(floor.scene);
   const Camera camera = {
@@ -162,7 +177,7 @@ void expect_filtered_beyond(const Shape& shape, const Material& material) {
     const SpecularTree tree(tracer, false);
     class Eye final : public SpecularTree::Visitor {
      public:
-      Rgb surface(const SpecularTree::Node& node) override { return node.surface.emission; }
+      Rgb surface(const SpecularTree::Node& node) override { return brightness(node.surface); }
       Rgb sky(const Ray&, const SpecularTree::Branch&) override { return Rgb(0); }
       float followed(const Rgb& weight, int depth) override {
         return depth < 16 && max_component(weight) >= 1e-3F ? 1 : 0;
@@ -181,9 +196,18 @@ void expect_filtered_beyond(const Shape& shape, const Material& material) {
   EXPECT_LT(filtered, 0.5 * unfiltered);
 }
 
-TEST(TextureFiltering, ReachesThroughReflection) { expect_filtered_beyond(Sphere{{0, 1.2, 0}, 1}, mirror(Rgb(0.9F))); }
+constexpr Sphere ball{{0, 1.2, 0}, 1};
 
-TEST(TextureFiltering, ReachesThroughRefraction) { expect_filtered_beyond(Sphere{{0, 1.2, 0}, 1}, glass(1.5F)); }
+TEST(TextureFiltering, ReachesThroughReflection) {
+  expect_filtered_beyond([](Scene&) { return checker(); }, ball, mirror(Rgb(0.9F)));
+  expect_filtered_beyond(matt_checker, ball, mirror(Rgb(0.9F)));
+}
+
+TEST(TextureFiltering, ReachesThroughRefraction) {
+  Material clear = glass(1.5F);
+  expect_filtered_beyond([](Scene&) { return checker(); }, ball, clear);
+  expect_filtered_beyond(matt_checker, ball, clear);
+}
 
 }  // namespace
 }  // namespace penumbra
