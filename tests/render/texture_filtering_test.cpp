@@ -16,8 +16,8 @@ namespace {
 
 using namespace testing;
 
-constexpr int width = 48;
-constexpr int height = 32;
+constexpr int width = 36;
+constexpr int height = 24;
 
 Material checker() {
   Material m = matt(Rgb(0.9F));
@@ -134,20 +134,21 @@ void expect_filtered(const std::function<Material(Scene&)>& material, int sample
   for (const int samples : {1, 4}) {
     const double unfiltered = rms(read_at_points(camera, samples, at_point), truth);
     for (const IntegratorKind kind : {IntegratorKind::appel, IntegratorKind::whitted, IntegratorKind::path}) {
+      const bool sees_ambient = kind != IntegratorKind::path;
+      if (!floor.scene.lights.empty() && !sees_ambient) continue;
       const double filtered = rms(drawn(tracer, camera, kind, samples), truth);
-      std::printf("samples %d: filtered %.4f unfiltered %.4f\n", samples, filtered, unfiltered);
       EXPECT_LT(filtered, (samples == 1 ? 0.35 : 0.6) * unfiltered) << samples << " " << static_cast<int>(kind);
     }
   }
 }
 
 TEST(TextureFiltering, ACheckerOfFewSamplesIsNearThatOfMany) {
-  expect_filtered([](Scene&) { return checker(); }, 256);
+  expect_filtered([](Scene&) { return checker(); }, 144);
 }
 
-TEST(TextureFiltering, AMattCheckerInPacketsToo) { expect_filtered(matt_checker, 256); }
+TEST(TextureFiltering, AMattCheckerInPacketsToo) { expect_filtered(matt_checker, 144); }
 
-TEST(TextureFiltering, ATextureOfFewSamplesIsNearThatOfMany) { expect_filtered(checkered_texture, 256); }
+TEST(TextureFiltering, ATextureOfFewSamplesIsNearThatOfMany) { expect_filtered(checkered_texture, 144); }
 
 // What is averaged over less and less is read at points in the end: pictures of many samples agree.
 TEST(TextureFiltering, LeavesNoBiasInManySamplesSlow) {
@@ -158,7 +159,6 @@ TEST(TextureFiltering, LeavesNoBiasInManySamplesSlow) {
     const Camera camera = low_camera();
     const Image truth = read_at_points(camera, 4096, [&](const Ray& ray) { return radiance_at_point(tracer, ray); });
     const Image filtered = drawn(tracer, camera, IntegratorKind::whitted, 4096, 5);
-    std::printf("4096 samples: rms %.6f means %.6f %.6f\n", rms(filtered, truth), mean(filtered), mean(truth));
     EXPECT_LT(rms(filtered, truth), 2e-3);
     EXPECT_NEAR(mean(filtered), mean(truth), 2e-4);
   }
@@ -189,10 +189,9 @@ void expect_filtered_beyond(const std::function<Material(Scene&)>& floor_materia
       return tree.trace(ray, {.start = ray.origin}, eye).y;
     });
   };
-  const Image truth = at_points(400);
+  const Image truth = at_points(144);
   const double unfiltered = rms(at_points(1), truth);
   const double filtered = rms(drawn(tracer, camera, IntegratorKind::whitted, 1), truth);
-  std::printf("beyond: filtered %.4f unfiltered %.4f\n", filtered, unfiltered);
   EXPECT_LT(filtered, 0.5 * unfiltered);
 }
 
