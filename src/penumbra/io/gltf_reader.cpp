@@ -180,7 +180,7 @@ class SceneReader {
     return bent;
   }
 
-  void place_light(const JsonPlace& user, const std::string& name, std::string extras, const Mat4d& to_world) {
+  void place_light(const JsonPlace& user, const std::string& name, std::string said, const Mat4d& to_world) {
     const auto extensions = document_.root().object("extensions");
     const auto holder = extensions ? extensions->object("KHR_lights_punctual") : std::nullopt;
     const auto lights = holder ? holder->list("lights") : std::nullopt;
@@ -192,7 +192,7 @@ class SceneReader {
     const JsonPlace place = lights->item(static_cast<std::size_t>(index), "light");
     Light light = read_gltf_light(place, to_world);
     if (!name.empty()) light.name = name;
-    light.extras = std::move(extras);
+    light.extras = std::move(said);
     scene_.lights.push_back(std::move(light));
     const auto extras = place.extras("penumbra");
     if (extras && extras->has("ies")) hang_luminaire(*extras, to_world);
