@@ -42,7 +42,8 @@ PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
   for (const Material& m : scene.materials) materials_.push_back(packet_material(m));
   for (const Instance& i : scene.instances) {
     const bool mirrors = is_mirroring(i.to_world);
-    places_.push_back({.as_is = i.to_world == Mat4d(1.0),
+    places_.push_back({.moves = !i.motion.empty(),
+                       .as_is = i.to_world == Mat4d(1.0),
                        .mirrors = mirrors,
                        .to_world = i.to_world,
                        .normals = normal_matrix(i.to_world) * (mirrors ? -1.0 : 1.0)});
@@ -79,6 +80,7 @@ const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, Hi
   const PacketMaterial& material = materials_[mesh.material_of(primitive)];
   if (material.kind == PacketMaterial::Kind::other || !mesh.colours.empty()) return nullptr;
   const Place& place = places_[object];
+  if (place.moves) return nullptr;
   const Mesh::Triangle& corner = mesh.triangles[primitive];
   const auto world = [&](std::uint32_t vertex) {
     const Vec3d& p = mesh.positions[vertex];

@@ -38,6 +38,7 @@ class PacketSurfaces {
  private:
   /// An instance whose vertices need no turning, or how to turn them.
   struct Place {
+    bool moves = false;
     bool as_is = true;
     bool mirrors = false;
     Mat4d to_world{1.0};
