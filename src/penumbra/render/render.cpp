@@ -245,10 +245,7 @@ RenderResult draw(const Integrator& integrator, const RenderOptions& options, co
 RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
                     const Progress& progress) {
   check(options);
-  if (options.integrator == IntegratorKind::light) {
-    refuse_media(tracer, "light");
-    return trace_light(tracer, camera, options, progress);
-  }
+  if (options.integrator == IntegratorKind::light) return trace_light(tracer, camera, options, progress);
   const auto began = Clock::now();
   const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
   return draw(*make_integrator(tracer, rays, options), options, progress, began);
