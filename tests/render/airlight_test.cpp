@@ -145,7 +145,7 @@ void expect_half_space(int beam_samples, int sky_samples, double relative_error_
   for (const auto& c : media_cases("halfspace_isotropic_multiple_scatter", "table")) {
     const double albedo = c["albedo"];
     Scene scene;
-    add_hidden_box(scene, medium(1 - albedo, albedo), {-3000, -3000, -300}, {3000, 3000, 0});
+    add_hidden_box(scene, medium(1 - albedo, albedo), {-80, -80, -60}, {80, 80, 0});
     Scene under_sky = scene;
     add_sun(scene, {0, 0, -1});
     const RayTracer tracer(scene);

@@ -85,10 +85,9 @@ DensityGrid read_vdb_grid(const std::filesystem::path& path) {
 bool reads_vdb() { return false; }
 
 DensityGrid read_vdb_grid(const std::filesystem::path& path) {
-  throw FileError(
-      path.string(), "",
-      "this program was built without OpenVDB and reads no .vdb; install libopenvdb-dev and build again, or "
-      "convert the grid to .npz");
+  throw FileError(path.string(), "",
+                  "this program was built without OpenVDB and reads no .vdb; install libopenvdb-dev and libboost-dev "
+                  "and build again, or convert the grid to .npz");
 }
 
 #endif

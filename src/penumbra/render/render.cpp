@@ -253,7 +253,6 @@ RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderO
     throw std::invalid_argument("exact shadows are those of things at rest, and some move while the shutter is open");
   }
   if (options.integrator == IntegratorKind::light) {
-    refuse_media(tracer, "light");
     return trace_light(tracer, camera, options, progress);
   }
   const auto began = Clock::now();
