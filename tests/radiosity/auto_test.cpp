@@ -21,6 +21,7 @@
 #include "penumbra/radiosity/form_factors/pair_methods.h"
 #include "penumbra/scene/builtin_scenes.h"
 #include "radiosity/view3d_cases.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {
