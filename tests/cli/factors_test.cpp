@@ -8,6 +8,7 @@
 #include <string>
 
 #include "program.h"
+#include "test_paths.h"
 
 namespace penumbra::test {
 namespace {

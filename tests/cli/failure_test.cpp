@@ -6,6 +6,7 @@
 
 #include "cli/program.h"
 #include "penumbra/image/image_io.h"
+#include "test_paths.h"
 
 namespace penumbra::test {
 namespace {

@@ -9,6 +9,7 @@
 #include "cli/program.h"
 #include "cli/small_scenes.h"
 #include "penumbra/image/image_io.h"
+#include "test_paths.h"
 
 namespace penumbra::test {
 namespace {

@@ -12,6 +12,7 @@
 #include "penumbra/image/image_io.h"
 #include "penumbra/io/gltf_reader.h"
 #include "penumbra/math/rng.h"
+#include "test_paths.h"
 
 namespace penumbra::test {
 namespace {

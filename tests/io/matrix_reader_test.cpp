@@ -9,6 +9,7 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/io/csv_table.h"
 #include "penumbra/io/matrix_writer.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -10,6 +10,7 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/math/polygon.h"
 #include "penumbra/math/rng.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

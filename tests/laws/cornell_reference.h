@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "penumbra/image/image.h"
+#include "test_paths.h"
 
 namespace penumbra::cornell_reference {
 

@@ -14,6 +14,7 @@
 #include "penumbra/radiosity/form_factors/bsp_sight.h"
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
 #include "radiosity/view3d_cases.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -22,6 +22,7 @@
 #include "penumbra/scene/builtin_scenes.h"
 #include "radiosity/polygon_makers.h"
 #include "radiosity/view3d_cases.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "radiosity/polygon_makers.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -3,6 +3,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "test_paths.h"
+
 namespace penumbra::test {
 
 /// Enclosures with known solutions: closed forms, and converged integral equations with their uncertainty.

@@ -17,6 +17,7 @@
 #include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/bsp_tree.h"
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -14,6 +14,7 @@
 #include "penumbra/radiosity/form_factors/factor_matrix.h"
 #include "penumbra/radiosity/patch_mesh.h"
 #include "radiosity/polygon_makers.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "penumbra/io/vs3_reader.h"
 #include "penumbra/radiosity/patch_mesh.h"
+#include "test_paths.h"
 
 namespace penumbra::test {
 

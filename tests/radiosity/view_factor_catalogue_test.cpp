@@ -16,6 +16,7 @@
 #include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/nusselt.h"
 #include "radiosity/polygon_makers.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "penumbra/radiosity/meshing/polygon_shadows.h"
 #include "render/probe.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "penumbra/math/rng.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {
