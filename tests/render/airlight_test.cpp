@@ -11,6 +11,7 @@
 #include "penumbra/render/distance_sampling.h"
 #include "penumbra/render/render.h"
 #include "render/probe.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

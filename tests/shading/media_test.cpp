@@ -8,6 +8,7 @@
 
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/shadow.h"
+#include "test_paths.h"
 #include "tracing/soup.h"
 
 namespace penumbra {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "test_paths.h"
 #include "tracing/soup.h"
 
 namespace penumbra {
