@@ -22,13 +22,27 @@ struct PacketMaterial {
   bool double_sided = false;
   float ior = 1;  ///< of glass
   Rgb tint{0};    ///< of what glass lets through
+
+  /// Of a matt surface at a lane's point.
+  [[nodiscard]] Rgb reflectance_at(const PointLanes& points, std::size_t lane) const {
+    return reflectance[checker_size > 0 && on_second_colour(points, lane) ? 1 : 0];
+  }
+
+ private:
+  [[nodiscard]] bool on_second_colour(const PointLanes& points, std::size_t lane) const;
 };
+
+/// Bends a lane's shading normal just so far that the eye sees its front, as frame_towards does.
+void turn_towards_eye(const RayPacket& rays, std::size_t lane, PointLanes& points);
 
 /// Gathers what the lanes of a packet hit from the scene, lane by lane: the part of shading that is all memory and no
 /// arithmetic.
 class PacketSurfaces {
  public:
   explicit PacketSurfaces(const Scene& scene);
+
+  /// Whether everything in the scene is matt without mirrors, so that no lane needs to be shaded by itself.
+  [[nodiscard]] bool all_matt() const;
 
   /// Puts a hit lane's triangle or shape beside the others; returns its material, or none when the lane has to be
   /// shaded by itself. @pre the lane hit something.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "penumbra/render/camera_packets.h"
 #include "penumbra/render/direct_light.h"
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/light_points.h"
@@ -46,7 +47,6 @@ class RayWaves {
   void render(std::span<const PixelBlock> blocks, const Others& others, Film& film, RayCounts& rays) const;
 
  private:
-  struct Sample;
   struct Wave;
   struct LightPoints;
   struct Lit;
@@ -56,13 +56,12 @@ class RayWaves {
            std::vector<PacketLight> packet_lights, const Options& options);
 
   const RayTracer& tracer_;
-  const CameraRays& camera_;
+  CameraPackets camera_;
   const LightSampler& lights_;
   std::vector<PacketLight> packet_lights_;
   Options options_;
   Shadow shadow_;
   PacketSurfaces surfaces_;
-  RasterDirections raster_;
   std::vector<LightPoints> fixed_points_;  // by light: where all rays to it go, when it is met at one point
 };
 
