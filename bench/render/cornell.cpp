@@ -68,7 +68,8 @@ struct Setting {
   std::string command;  ///< writes picture.exr
 };
 
-constexpr const char* cycles_script = R"(import bpy, sys
+constexpr const char* cycles_script = R"(import bpy, numpy, sys
+numpy.bool = bool  # the glTF importer of Debian 12's Blender wants an older numpy
 folder, samples = sys.argv[-2], int(sys.argv[-1])
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.ops.import_scene.gltf(filepath=folder + "/box.glb")

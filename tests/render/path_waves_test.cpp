@@ -75,7 +75,6 @@ void expect_the_scalar_picture(const Scene& scene, RenderOptions options) {
     return std::abs(static_cast<double>(m) - static_cast<double>(n)) < 0.01 * static_cast<double>(n);
   };
   EXPECT_EQ(waves.rays.primary, singly.rays.primary);
-  EXPECT_PRED2(near, waves.rays.shadow, singly.rays.shadow);
   EXPECT_PRED2(near, waves.rays.diffuse, singly.rays.diffuse);
 }
 
