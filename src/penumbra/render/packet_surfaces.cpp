@@ -96,6 +96,29 @@ bool PacketSurfaces::all_matt() const {
   return true;
 }
 
+void PacketSurfaces::fetch(const HitPacket& hits, int used) const {
+#if defined(__GNUC__)
+  const auto mesh_of = [&](int lane) -> const Mesh* {
+    const std::uint32_t object = hits.object[lane];
+    return object < scene_->instances.size() ? &scene_->meshes[scene_->instances[object].mesh] : nullptr;
+  };
+  for (int lane = 0; lane < used; ++lane) {
+    if (const Mesh* mesh = mesh_of(lane)) __builtin_prefetch(&mesh->triangles[hits.primitive[lane]]);
+  }
+  for (int lane = 0; lane < used; ++lane) {
+    const Mesh* mesh = mesh_of(lane);
+    if (mesh == nullptr) continue;
+    for (const std::uint32_t vertex : mesh->triangles[hits.primitive[lane]]) {
+      __builtin_prefetch(&mesh->positions[vertex]);
+      if (!mesh->normals.empty()) __builtin_prefetch(&mesh->normals[vertex]);
+    }
+  }
+#else
+  (void)hits;
+  (void)used;
+#endif
+}
+
 const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, HitTriangles& triangles,
                                              HitShapes& shapes) const {
   const auto i = static_cast<std::size_t>(lane);

@@ -44,6 +44,9 @@ class PacketSurfaces {
   /// Whether everything in the scene is matt without mirrors, so that no lane needs to be shaded by itself.
   [[nodiscard]] bool all_matt() const;
 
+  /// Asks for what `gather` will read, of all lanes at once: in large scenes memory is what it waits for.
+  void fetch(const HitPacket& hits, int used) const;
+
   /// Puts a hit lane's triangle or shape beside the others; returns its material, or none when the lane has to be
   /// shaded by itself. @pre the lane hit something.
   [[nodiscard]] const PacketMaterial* gather(const HitPacket& hits, int lane, HitTriangles& triangles,

@@ -173,6 +173,7 @@ void PathWaves::Batch::trace() {
 void PathWaves::Batch::meet(Wave& wave) {
   Lit lit;
   owner_.tracer_.nearest(wave.rays, lit.hits, depth_ == 0);
+  owner_.surfaces_.fetch(lit.hits, wave.used);
   classify(wave, lit);
   if (owner_.options_.max_depth > 0 && depth_ >= owner_.options_.max_depth) return;
   light(wave, lit);

@@ -183,6 +183,7 @@ PixelSampler RayWaves::Batch::sampler(const Wave& wave, int lane) const {
 void RayWaves::Batch::meet(Wave& wave) {
   Lit lit;
   owner_.tracer_.nearest(wave.rays, lit.hits, depth_ == 0);
+  owner_.surfaces_.fetch(lit.hits, wave.used);
   classify(wave, lit);
   shine(lit);
   if (lit.any_lit) light(wave, lit);
