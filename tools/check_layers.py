@@ -33,7 +33,8 @@ MAY_INCLUDE = {
     "baking": ["math", "parallel", "image", "scene", "tracing", "tracing/shading", "radiosity", "radiosity/form_factors",
                "radiosity/meshing", "radiosity/solvers", "radiosity/pipeline"],
 }
-FOREIGN = {"embree3/": "tracing/ray_tracer", "draco/": "io/", "openvdb/": "io/vdb_grid", "OpenEXR/": "image/", "webp/": "image/",
+FOREIGN = {"embree3/": "tracing/ray_tracer", "draco/": "io/", "meshoptimizer.h": "io/meshopt_view",
+           "openvdb/": "io/vdb_grid", "OpenEXR/": "image/", "webp/": "image/",
            "tbb/": "parallel/", "nlohmann/": "io/", "zlib.h": ("image/", "io/"), "stb_image": "image/"}
 FORBIDDEN_NAMES = re.compile(r"(^|_)(util|utils|common|helper|helpers|manager|misc)($|_|\.)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.M)

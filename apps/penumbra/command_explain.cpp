@@ -117,6 +117,7 @@ int explain_pixel(const ExplainArguments& arguments) {
   }
   RayTreeOptions options = arguments.tree;
   options.front_sides_only = arguments.scene.front_sides_only;
+  options.differential = rays.differential(primary);
   const RayTree tree = make_ray_tree(tracer, primary, options);
 
   const std::string title = fmt::format("pixel {},{} of {}: {} rays, radiance {:.4g} {:.4g} {:.4g} W/(m^2 sr)",

@@ -57,7 +57,9 @@ decltype(ThinLens::aperture) make_aperture(const std::string& text) {
 }
 
 double distance_in_the_middle(const Camera& camera, const RayTracer& tracer, double aspect) {
-  const auto hit = tracer.nearest(camera.ray(0.5, 0.5, aspect));
+  Ray middle = camera.ray(0.5, 0.5, aspect);
+  middle.time = 0.5;  // of the exposure
+  const auto hit = tracer.nearest(middle);
   if (!hit) throw UsageError("--f-number: nothing stands in the middle of the picture to focus on; add --focus METRES");
   return hit->t;
 }

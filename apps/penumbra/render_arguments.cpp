@@ -201,8 +201,28 @@ void check_region(const RenderOptions& options) {
                   y0, x1, y1, options.width, options.height, options.width, options.height));
 }
 
+void check_shutter(const RenderArguments& arguments) {
+  if (!arguments.scene.shutter) return;
+  if (arguments.needs_solution()) {
+    throw UsageError(
+        fmt::format("--shutter does not apply to --integrator {}, whose light is solved for a scene at rest; "
+                    "leave it away or show one instant by --time",
+                    arguments.integrator));
+  }
+  if (arguments.integrator == "light") {
+    throw UsageError(
+        "--shutter does not apply to --integrator light, which traces through things at rest; leave it away or show "
+        "one "
+        "instant by --time");
+  }
+  if (arguments.render.exact_shadows) {
+    throw UsageError("--shutter does not apply to --exact-shadows, which are those of things at rest; leave one away");
+  }
+}
+
 void check_all(const RenderArguments& arguments) {
   check(arguments.scene);
+  check_shutter(arguments);
   check(arguments.camera);
   check_region(arguments.render);
   check_solution_options(arguments);
@@ -228,6 +248,7 @@ std::optional<RenderArguments> parse_render_arguments(const std::vector<std::str
   add_solution_options(parser, result);
   add_camera_options(parser, result.camera);
   add_scene_options(parser, result.scene);
+  add_shutter_option(parser, result.scene);
   add_world_options(parser, result.scene.world, WorldMedia::any);
   add_common_options(parser, result.common);
   parser.examples({"penumbra render builtin:cornell-box --integrator path --size 512x512 --spp 256 -o cornell.png",

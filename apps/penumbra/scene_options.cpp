@@ -1,6 +1,7 @@
 #include "scene_options.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <limits>
 
@@ -78,6 +79,30 @@ void keep_energy(const SceneOptions& options, Scene& scene, std::vector<std::str
   warnings.push_back(fmt::format("{}: {}; scaled to 100 %", options.source, excess));
 }
 
+bool is_gltf(const std::string& source) {
+  std::string extension = std::filesystem::path(source).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return !is_builtin(source) && (extension == ".glb" || extension == ".gltf");
+}
+
+void check_animation(const SceneOptions& options) {
+  const char* given = options.scene       ? "--scene"
+                      : options.animation ? "--animation"
+                      : options.time      ? "--time"
+                      : options.shutter   ? "--shutter"
+                                          : nullptr;
+  if (given != nullptr && !is_gltf(options.source)) {
+    throw UsageError(fmt::format("{} does not apply to {}; only glTF files have {}; leave it away", given,
+                                 options.source, options.scene ? "scenes to choose among" : "animations"));
+  }
+  if (options.time && options.shutter) {
+    throw UsageError("--time and --shutter both say when the animation is shown; leave one away");
+  }
+  if (options.animation && !options.time && !options.shutter) {
+    throw UsageError("--animation belongs to --time T or --shutter T0,T1, which play it");
+  }
+}
+
 }  // namespace
 
 void check(const SceneOptions& options) {
@@ -94,6 +119,7 @@ void check(const SceneOptions& options) {
     throw UsageError("--photometric does not apply to " + options.source +
                      ", whose emission is in W/(m^2 sr); leave it away");
   }
+  check_animation(options);
 }
 
 void add_scene_source(OptionParser& parser, SceneOptions& options) {
@@ -102,6 +128,12 @@ void add_scene_source(OptionParser& parser, SceneOptions& options) {
   parser.group("Scene");
   parser.value("--unit", "mm|cm|m|in", "length of one unit of an OBJ file (default: m); glTF is in metres",
                [&](const OptionValue& v) { options.unit = choice<double>(v, units); });
+  parser.value("--scene", "NAME|INDEX", "which scene of a glTF file (default: its default one, else the first)",
+               [&](const OptionValue& v) { options.scene = v.text; });
+  parser.value("--time", "T", "play a glTF animation and show this instant, seconds (default: at rest)",
+               [&](const OptionValue& v) { options.time = real_number(v, "a time in seconds"); });
+  parser.value("--animation", "NAME|INDEX", "which animation of a glTF file is played (default: the first)",
+               [&](const OptionValue& v) { options.animation = v.text; });
   add_allow_outside(parser, options.allow_outside);
 }
 
@@ -113,8 +145,27 @@ void add_allow_outside(OptionParser& parser, bool& allow_outside) {
       allow_outside);
 }
 
+void add_shutter_option(OptionParser& parser, SceneOptions& options) {
+  parser.value(
+      "--shutter", "T0,T1",
+      "motion blur: play a glTF animation while the shutter is open, from T0 to T1 seconds (default: no motion)",
+      [&](const OptionValue& v) {
+        constexpr const char* what = "two times in seconds T0,T1, such as 0,0.02";
+        const auto times = number_list(v, 2, what);
+        if (times[1] < times[0]) {
+          throw UsageError(fmt::format("--shutter takes {}, the earlier one first, not '{}'", what, v.text));
+        }
+        options.shutter = Shutter{times[0], times[1]};
+      });
+}
+
 LoadedScene read_source(const SceneOptions& options) {
-  return read_scene(options.source, {.unit = options.unit.value_or(1.0), .allow_outside = options.allow_outside});
+  return read_scene(options.source, {.unit = options.unit.value_or(1.0),
+                                     .allow_outside = options.allow_outside,
+                                     .scene = options.scene,
+                                     .animation = options.animation,
+                                     .time = options.time,
+                                     .shutter = options.shutter});
 }
 
 void add_scene_options(OptionParser& parser, SceneOptions& options) {

@@ -6,6 +6,7 @@
 
 #include "option_parser.h"
 #include "penumbra/io/load_report.h"
+#include "penumbra/io/read_options.h"
 #include "penumbra/scene/scene.h"
 #include "world_options.h"
 
@@ -15,6 +16,10 @@ namespace penumbra::cli {
 struct SceneOptions {
   std::string source;                      ///< a path, or "builtin:NAME?key=value"
   std::optional<double> unit;              ///< metres per file unit
+  std::optional<std::string> scene;        ///< of a glTF, by name or index
+  std::optional<std::string> animation;    ///< of a glTF, by name or index
+  std::optional<double> time;              ///< of the animation, s
+  std::optional<Shutter> shutter;          ///< of the animation, s
   std::optional<std::string> environment;  ///< "R,G,B" or a picture's path
   bool front_sides_only = false;
   bool photometric = false;
@@ -31,6 +36,9 @@ void add_scene_source(OptionParser& parser, SceneOptions& options);
 
 /// Adds --allow-outside.
 void add_allow_outside(OptionParser& parser, bool& allow_outside);
+
+/// Adds --shutter, for methods that see motion.
+void add_shutter_option(OptionParser& parser, SceneOptions& options);
 
 /// Reads the scene as it stands in the file. Throws as read_scene.
 [[nodiscard]] LoadedScene read_source(const SceneOptions& options);

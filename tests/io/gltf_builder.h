@@ -53,7 +53,8 @@ struct GltfBuilder {
   /// Tightly packed values; count follows from the type.
   template <class T>
   std::size_t add_accessor(const std::vector<T>& values, const char* type, int component, bool normalised = false) {
-    const std::size_t width = std::string_view(type) == "SCALAR" ? 1 : static_cast<std::size_t>(type[3] - '0');
+    const std::string_view kind(type);
+    const std::size_t width = kind == "SCALAR" ? 1 : kind == "MAT4" ? 16 : static_cast<std::size_t>(type[3] - '0');
     nlohmann::json accessor = {{"bufferView", add_view(packed(values))},
                                {"componentType", component},
                                {"count", values.size() / width},
@@ -89,9 +90,20 @@ struct GltfBuilder {
     if (!binary.empty()) file += word(binary.size()) + std::string("BIN\0", 4) + binary;
     return file;
   }
-  [[nodiscard]] LoadedScene read() const {
+  [[nodiscard]] LoadedScene read(const ReadOptions& options = {}) const {
     const TemporaryFile file(glb(), ".glb");
-    return read_gltf(file.path());
+    return read_gltf(file.path(), options);
+  }
+  /// A channel of the file's first animation.
+  void animate(std::size_t node, const char* path, const std::vector<float>& times, const std::vector<float>& values,
+               const char* type, const char* interpolation = "LINEAR") {
+    if (!json.contains("animations")) json["animations"] = {nlohmann::json::object()};
+    nlohmann::json& animation = json["animations"][0];
+    animation["samplers"].push_back({{"input", add_accessor(times, "SCALAR", gltf_float)},
+                                     {"output", add_accessor(values, type, gltf_float)},
+                                     {"interpolation", interpolation}});
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
   }
 };
 

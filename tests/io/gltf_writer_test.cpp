@@ -524,5 +524,37 @@ TEST(GltfWriter, AnEmptySceneIsStillAFile) {
   EXPECT_EQ(glb.root["scenes"].size(), 1U);
 }
 
+// What other programs keep in extras outlives reading and writing; what is ours stands beside it.
+TEST(GltfWriter, ExtrasOfTheInputAreKept) {
+  json gltf = {
+      {"asset", {{"version", "2.0"}}},
+      {"scene", 0},
+      {"scenes", {{{"nodes", {0, 1, 2}}, {"extras", {{"shop", "lamps"}, {"penumbra", {{"ambient", {1, 1, 1}}}}}}}}},
+      {"nodes",
+       {{{"mesh", 0}, {"extras", {{"id", 7}, {"tags", {"a", 2.5, true, nullptr}}}}},
+        {{"camera", 0}, {"extras", "just text"}},
+        {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"extras", {{"bulb", "E27"}}}}}},
+      {"cameras", {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}}}},
+      {"extensionsUsed", {"KHR_lights_punctual"}},
+      {"extensions", {{"KHR_lights_punctual", {{"lights", {{{"type", "point"}}}}}}}},
+      {"materials", {{{"extras", {{"paint", 12}, {"penumbra", {{"mirror", {0.5, 0.5, 0.5}}}}}}}}},
+      {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"material", 0}}}}, {"extras", {{"lod", 0}}}}}},
+      {"accessors", {{{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}}}};
+  const test::TemporaryFile file(gltf.dump(), ".gltf");
+  const Glb out = written(read_gltf(file.path()).scene).glb;
+  EXPECT_EQ(out.root["nodes"][0]["extras"], gltf["nodes"][0]["extras"]);
+  EXPECT_EQ(out.root["meshes"][0]["extras"], gltf["meshes"][0]["extras"]);
+  EXPECT_EQ(out.root["materials"][0]["extras"], gltf["materials"][0]["extras"]);
+  EXPECT_EQ(out.root["scenes"][0]["extras"]["shop"], "lamps");
+  EXPECT_EQ(out.root["scenes"][0]["extras"]["penumbra"]["ambient"], json({1, 1, 1}));
+  int lights = 0, cameras = 0;
+  for (const json& node : out.root["nodes"]) {
+    if (node.contains("camera")) cameras += node["extras"] == "just text" ? 1 : 0;
+    if (node.contains("extensions")) lights += node["extras"]["bulb"] == "E27" ? 1 : 0;
+  }
+  EXPECT_EQ(lights, 1);
+  EXPECT_EQ(cameras, 1);
+}
+
 }  // namespace
 }  // namespace penumbra

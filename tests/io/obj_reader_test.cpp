@@ -294,8 +294,28 @@ TEST_F(ObjReader, BadLinesAreRefusedByNumber) {
 }
 
 TEST_F(ObjReader, UnknownStatementsAreCountedInOneWarning) {
-  expect_one_warning(read(std::string(square) + "cstype bezier\nsurf 0 1\ns off\nf 1 2 3\n"),
+  expect_one_warning(read(std::string(square) + "shadow_obj a.obj\nlod 3\ns off\nf 1 2 3\n"),
                      "2 cases, the first in line 5");
+}
+
+TEST_F(ObjReader, FreeFormElementsAreCountedAsWhole) {
+  const std::string curve = "curv 0 1 1 2 \\\n 3 4\nparm u 0 0 1 1\nend\n";
+  expect_one_warning(
+      read(std::string(square) + "cstype bezier\r\ndeg 3\r\n" + curve + "vp 1 2\n" + curve + "f 1 2 3\n"),
+      "free-form curves and surfaces are not drawn; convert them to polygons (2 cases, the first in line 7");
+}
+
+TEST_F(ObjReader, Utf16IsNamed) {
+  for (const std::string_view text : {std::string_view("\xFE\xFF\0v\0 ", 6), std::string_view("v\0 \0"
+                                                                                              "1\0",
+                                                                                              6)}) {
+    try {
+      (void)read(std::string(text));
+      ADD_FAILURE();
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find("UTF-16"), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST_F(ObjReader, AMissingMtlFileIsOneWarning) {

@@ -36,7 +36,8 @@ TEST(RayTree, IsThePixelOfWhitted) {
     const CameraRays rays(scene.cameras[0], options.width, options.height, FilterKind::box, 1);
     for (int y = 0; y < options.height; ++y) {
       for (int x = 0; x < options.width; ++x) {
-        const RayTree tree = make_ray_tree(tracer, rays.through(x + 0.5, y + 0.5));
+        const Ray primary = rays.through(x + 0.5, y + 0.5);
+        const RayTree tree = make_ray_tree(tracer, primary, {.differential = rays.differential(primary)});
         ASSERT_LT(largest_difference(tree.radiance, picture.rgb(x, y)), 2e-4F * (1 + max_component(tree.radiance)))
             << name << " " << x << " " << y;
         ASSERT_LT(largest_difference(tree.rays[0].radiance * tree.rays[0].weight, tree.radiance),

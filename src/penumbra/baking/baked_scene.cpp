@@ -31,6 +31,7 @@ std::uint32_t add_texture(Scene& scene, const Image& image, float scale) {
 Material shell_of(const Material& m) {
   Material shell;
   shell.name = m.name;
+  shell.extras = m.extras;
   shell.alpha_mode = m.alpha_mode;
   shell.alpha_cutoff = m.alpha_cutoff;
   shell.double_sided = m.double_sided;

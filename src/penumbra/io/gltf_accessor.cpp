@@ -43,8 +43,9 @@ int component_count(const std::string& type, const JsonPlace& place) {
   if (type == "VEC2") return 2;
   if (type == "VEC3") return 3;
   if (type == "VEC4") return 4;
-  place.fail(type.starts_with("MAT") ? "holds matrices, which no vertex attribute that is read has"
-                                     : "its type is none of SCALAR, VEC2, VEC3 and VEC4; export the file again");
+  if (type == "MAT4") return 16;
+  place.fail(type.starts_with("MAT") ? "holds matrices of a kind that nothing read has"
+                                     : "its type is none of SCALAR, VEC2, VEC3, VEC4 and MAT4; export the file again");
 }
 
 // Where the elements lie in a view. Sizes are 64 bits and the count is compared by division, so nothing overflows.

@@ -16,7 +16,7 @@ enum class GltfComponent { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 512
 /// Bytes of one component.
 [[nodiscard]] std::size_t component_size(GltfComponent type);
 
-/// Elements of 1 to 4 components in memory, checked: every element lies inside.
+/// Elements of 1 to 4 components, or of 16, in memory, checked: every element lies inside.
 struct GltfElements {
   const std::byte* data = nullptr;
   std::size_t count = 0;

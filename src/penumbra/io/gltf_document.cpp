@@ -10,6 +10,7 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/input_file.h"
 #include "penumbra/io/gltf_uri.h"
+#include "penumbra/io/meshopt_view.h"
 
 namespace penumbra {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr std::array known_extensions = {
     "KHR_lights_punctual",   "KHR_materials_emissive_strength", "KHR_materials_ior",   "KHR_materials_transmission",
     "KHR_materials_volume",  "KHR_materials_specular",          "KHR_materials_unlit", "KHR_texture_transform",
-    "KHR_mesh_quantization", "KHR_draco_mesh_compression",      "EXT_texture_webp",
+    "KHR_mesh_quantization", "KHR_draco_mesh_compression",      "EXT_texture_webp",    "EXT_meshopt_compression",
 };
 
 bool is_known(std::string_view extension) {
@@ -127,6 +128,11 @@ void GltfDocument::check_extensions() {
   if (const auto required = root().list("extensionsRequired")) {
     for (std::size_t i = 0; i < required->size(); ++i) {
       if (const auto& name = required->text_item(i); !is_known(name)) {
+        if (name == "KHR_texture_basisu") {
+          required->fail(
+              "the file requires KHR_texture_basisu: its pictures are in Basis Universal (.ktx2), which is not read; "
+              "convert them to PNG, JPEG or WebP");
+        }
         required->fail(
             fmt::format("the file requires {}, which is not supported; export it without that extension", shown(name)));
       }
@@ -184,8 +190,7 @@ std::span<const std::byte> GltfDocument::buffer(std::uint64_t index, const JsonP
   return bytes.first(static_cast<std::size_t>(length));
 }
 
-GltfDocument::View GltfDocument::view(std::uint64_t index, const JsonPlace& user) const {
-  const JsonPlace place = item("bufferViews", "bufferView", index, user);
+std::span<const std::byte> GltfDocument::part_of_buffer(const JsonPlace& place) const {
   const auto bytes = buffer(place.required_whole("buffer"), place);
   const std::uint64_t offset = place.whole("byteOffset").value_or(0);
   const std::uint64_t length = place.required_whole("byteLength");
@@ -193,10 +198,32 @@ GltfDocument::View GltfDocument::view(std::uint64_t index, const JsonPlace& user
     place.fail(fmt::format("its bytes {} to {} reach beyond its buffer of {} bytes; export the file again", offset,
                            offset + length, bytes.size()));
   }
+  return bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+const std::vector<std::byte>& GltfDocument::unpacked(std::uint64_t view, const JsonPlace& compressed) {
+  if (const auto known = unpacked_.find(view); known != unpacked_.end()) return known->second;
+  MeshoptPacking packing{.mode = compressed.text("mode"),
+                         .filter = compressed.text("filter"),
+                         .count = static_cast<std::size_t>(compressed.required_whole("count")),
+                         .stride = static_cast<std::size_t>(compressed.required_whole("byteStride"))};
+  if (packing.filter.empty()) packing.filter = "NONE";
+  try {
+    return unpacked_[view] = decode_meshopt(part_of_buffer(compressed), packing);
+  } catch (const std::invalid_argument& wrong) {
+    compressed.fail(wrong.what());
+  }
+}
+
+GltfDocument::View GltfDocument::view(std::uint64_t index, const JsonPlace& user) {
+  const JsonPlace place = item("bufferViews", "bufferView", index, user);
   const std::uint64_t stride = place.whole("byteStride").value_or(0);
   if (stride > 65535) place.fail(fmt::format("its byteStride of {} is beyond what glTF allows (252)", stride));
-  return {bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length)),
-          static_cast<std::size_t>(stride)};
+  const auto extensions = place.object("extensions");
+  if (const auto compressed = extensions ? extensions->object("EXT_meshopt_compression") : std::nullopt) {
+    return {unpacked(index, *compressed), static_cast<std::size_t>(stride)};
+  }
+  return {part_of_buffer(place), static_cast<std::size_t>(stride)};
 }
 
 // The file that a URI names.

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,7 +45,7 @@ class GltfDocument {
     std::size_t stride = 0;  ///< bytes from element to element; 0 for tightly packed
   };
   /// The bytes of a buffer view, wholly inside its buffer. They live as long as the document.
-  [[nodiscard]] View view(std::uint64_t index, const JsonPlace& user) const;
+  [[nodiscard]] View view(std::uint64_t index, const JsonPlace& user);
 
   /// The bytes that a `data:` URI holds or that a file beside the glTF holds. Throws FileError at `user`.
   [[nodiscard]] std::vector<std::byte> uri_bytes(const std::string& uri, const JsonPlace& user) const;
@@ -58,6 +59,8 @@ class GltfDocument {
   void check_extensions();
   void read_buffers();
   [[nodiscard]] std::span<const std::byte> buffer(std::uint64_t index, const JsonPlace& user) const;
+  [[nodiscard]] std::span<const std::byte> part_of_buffer(const JsonPlace& place) const;
+  [[nodiscard]] const std::vector<std::byte>& unpacked(std::uint64_t view, const JsonPlace& compressed);
 
   std::filesystem::path path_;
   AssetFolder folder_;
@@ -68,7 +71,8 @@ class GltfDocument {
   std::optional<std::span<const std::byte>> binary_;  // the BIN chunk of a .glb
   JsonValue json_;
   std::optional<JsonPlace> root_;
-  std::vector<std::vector<std::byte>> buffers_;  // those with a uri
+  std::vector<std::vector<std::byte>> buffers_;               // those with a uri
+  std::map<std::uint64_t, std::vector<std::byte>> unpacked_;  // views that were compressed
   std::size_t byte_count_ = 0;
 };
 

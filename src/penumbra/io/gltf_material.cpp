@@ -27,6 +27,7 @@ class MaterialReader {
     read_surface();
     if (const auto extensions = place_.object("extensions")) read_extensions(*extensions);
     if (const auto extras = place_.extras("penumbra")) read_extras(*extras);
+    made_.extras = place_.extras_without("penumbra");
     if (emission_unreadable_) made_.emission = Rgb(0.0F);
     return made_;
   }

@@ -186,14 +186,14 @@ void GltfMeshes::check_size(std::size_t more_triangles, const JsonPlace& place) 
   }
 }
 
-std::vector<Mesh> GltfMeshes::read(std::uint64_t index, const JsonPlace& user) {
+std::vector<Mesh> GltfMeshes::read(std::uint64_t index, const JsonPlace& user, const GltfDeformation& deformation) {
   const JsonPlace place = document_->item("meshes", "mesh", index, user);
   const auto primitives = place.list("primitives");
   if (!primitives || primitives->size() == 0) place.fail("has no primitives; export the file again");
 
   std::size_t declared = 0;
   for (std::size_t i = 0; i < primitives->size(); ++i) {
-    declared += declared_triangles(accessors_, primitives->item(i, place.place() + ", primitive"));
+    declared += declared_triangles(*accessors_, primitives->item(i, place.place() + ", primitive"));
   }
   check_size(declared, place);
 
@@ -201,7 +201,7 @@ std::vector<Mesh> GltfMeshes::read(std::uint64_t index, const JsonPlace& user) {
   std::map<std::array<std::int64_t, gltf_attribute_count>, std::size_t> group_of_source;
   for (std::size_t i = 0; i < primitives->size(); ++i) {
     const JsonPlace primitive_place = primitives->item(i, place.place() + ", primitive");
-    auto primitive = read_gltf_primitive(*document_, accessors_, primitive_place);
+    auto primitive = read_gltf_primitive(*document_, *accessors_, primitive_place, deformation);
     if (!primitive || primitive->triangles.empty()) continue;
     const std::size_t count = primitive->triangles.size();
     triangles_read_ += count;
@@ -209,10 +209,9 @@ std::vector<Mesh> GltfMeshes::read(std::uint64_t index, const JsonPlace& user) {
     const auto gltf_material = primitive_place.whole("material");
     const std::uint32_t material =
         material_of_(gltf_material ? static_cast<std::int64_t>(*gltf_material) : -1, primitive_place);
-    // What Draco unpacked belongs to one primitive, whatever accessors it names.
-    const auto known = primitive->draco ? group_of_source.end() : group_of_source.find(primitive->vertex_source);
+    const auto known = primitive->is_alone() ? group_of_source.end() : group_of_source.find(primitive->vertex_source);
     if (known == group_of_source.end()) {
-      if (!primitive->draco) group_of_source.emplace(primitive->vertex_source, groups.size());
+      if (!primitive->is_alone()) group_of_source.emplace(primitive->vertex_source, groups.size());
       groups.push_back({primitive_place, std::move(*primitive), std::vector<std::uint32_t>(count, material)});
     } else {
       VertexGroup& group = groups[known->second];
@@ -232,6 +231,7 @@ std::vector<Mesh> GltfMeshes::read(std::uint64_t index, const JsonPlace& user) {
   const std::string name = place.text("name").empty() ? place.place() : place.text("name");
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     meshes[i].name = meshes.size() == 1 ? name : fmt::format("{} (part {})", name, i + 1);
+    meshes[i].extras = place.extras_without("penumbra");
     finish(meshes[i], place, document_->warnings());
   }
   return meshes;

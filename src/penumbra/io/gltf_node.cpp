@@ -2,28 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include "penumbra/io/gltf_choice.h"
 
 namespace penumbra {
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-struct Family {
-  std::vector<std::uint32_t> parent;
-  std::vector<std::vector<std::uint32_t>> children;
-};
-
 JsonPlace node_place(const GltfDocument& document, std::uint64_t index) {
   return document.item("nodes", "node", index, document.root());
 }
 
-Family read_family(const GltfDocument& document) {
+GltfNodes::Family read_family(const GltfDocument& document) {
   const std::size_t count = document.count("nodes");
-  Family family{std::vector<std::uint32_t>(count, none), std::vector<std::vector<std::uint32_t>>(count)};
+  GltfNodes::Family family{std::vector<std::uint32_t>(count, none), std::vector<std::vector<std::uint32_t>>(count)};
   for (std::size_t n = 0; n < count; ++n) {
     const JsonPlace place = node_place(document, n);
     const auto list = place.list("children");
@@ -47,7 +43,7 @@ Family read_family(const GltfDocument& document) {
 }
 
 // With at most one parent each, a node is its own ancestor exactly when no root leads to it.
-void check_acyclic(const GltfDocument& document, const Family& family) {
+void check_acyclic(const GltfDocument& document, const GltfNodes::Family& family) {
   std::vector<bool> reached(family.parent.size(), false);
   std::vector<std::uint32_t> open;
   for (std::uint32_t n = 0; n < family.parent.size(); ++n) {
@@ -64,40 +60,6 @@ void check_acyclic(const GltfDocument& document, const Family& family) {
   }
 }
 
-Mat4d rotation_of(const std::array<double, 4>& q, const JsonPlace& place) {
-  const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(size > 0) || !std::isfinite(size))
-    place.fail("its rotation is no quaternion of length 1; export the file again");
-  const double x = q[0] / size;
-  const double y = q[1] / size;
-  const double z = q[2] / size;
-  const double w = q[3] / size;
-  return {Vec4d(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0),
-          Vec4d(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0),
-          Vec4d(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0), Vec4d(0, 0, 0, 1)};
-}
-
-Mat4d to_parent(const JsonPlace& place) {
-  if (place.has("matrix")) {
-    const auto m = place.numbers<16>("matrix", {});
-    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) {
-      place.fail("its matrix is not affine (its last row must be 0 0 0 1); export the file again");
-    }
-    Mat4d matrix;
-    for (int column = 0; column < 4; ++column) {
-      for (int row = 0; row < 4; ++row) matrix[column][row] = m[static_cast<std::size_t>(4 * column + row)];
-    }
-    return matrix;
-  }
-  const auto t = place.numbers<3>("translation", {0, 0, 0});
-  const auto r = place.numbers<4>("rotation", {0, 0, 0, 1});
-  const auto s = place.numbers<3>("scale", {1, 1, 1});
-  Mat4d matrix = rotation_of(r, place);
-  for (int i = 0; i < 3; ++i) matrix[i] *= s[static_cast<std::size_t>(i)];
-  matrix[3] = Vec4d(t[0], t[1], t[2], 1);
-  return matrix;
-}
-
 bool is_finite(const Mat4d& m) {
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {
@@ -107,9 +69,8 @@ bool is_finite(const Mat4d& m) {
   return true;
 }
 
-std::vector<std::uint32_t> roots_of(const GltfDocument& document, const Family& family) {
+std::vector<std::uint32_t> roots_of(const std::optional<JsonPlace>& scene, const GltfNodes::Family& family) {
   std::vector<std::uint32_t> roots;
-  const auto scene = gltf_scene(document);
   if (!scene) {
     for (std::uint32_t n = 0; n < family.parent.size(); ++n) {
       if (family.parent[n] == none) roots.push_back(n);
@@ -138,31 +99,58 @@ std::vector<std::uint32_t> roots_of(const GltfDocument& document, const Family& 
 
 }  // namespace
 
-std::optional<JsonPlace> gltf_scene(const GltfDocument& document) {
-  const auto index = document.root().whole("scene");
-  if (!index && document.count("scenes") == 0) return std::nullopt;
-  return document.item("scenes", "scene", index.value_or(0), document.root());
+std::optional<JsonPlace> gltf_scene(const GltfDocument& document, const std::optional<std::string>& choice) {
+  const auto usual = choice ? std::nullopt : document.root().whole("scene");
+  const auto index = usual ? usual : chosen_gltf_item(document, "scenes", "scene", choice);
+  if (!index) return std::nullopt;
+  return document.item("scenes", "scene", *index, document.root());
 }
 
-std::vector<GltfNode> placed_gltf_nodes(GltfDocument& document) {
-  const Family family = read_family(document);
-  check_acyclic(document, family);
+GltfNodes::GltfNodes(const GltfDocument& document, const GltfAnimation& animation)
+    : document_(&document), animation_(&animation), family_(read_family(document)) {
+  check_acyclic(document, family_);
+}
+
+Mat4d GltfNodes::to_parent(std::uint32_t node, std::optional<double> time) const {
+  return animation_->to_parent(node_place(*document_, node), node, time);
+}
+
+std::vector<GltfNode> GltfNodes::placed(const std::optional<JsonPlace>& scene, std::optional<double> time) const {
   std::vector<GltfNode> placed;
   // A stack instead of recursion: a chain of nodes may be as long as the file.
   std::vector<GltfNode> open;
-  const auto roots = roots_of(document, family);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, Mat4d(1.0)});
+  const auto roots = roots_of(scene, family_);
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, Mat4d(1.0), false});
   while (!open.empty()) {
     GltfNode node = open.back();
     open.pop_back();
-    const JsonPlace place = node_place(document, node.index);
-    node.to_world = node.to_world * to_parent(place);
-    if (!is_finite(node.to_world)) place.fail("its transform is not finite; export the file again");
+    node.to_world = node.to_world * to_parent(node.index, time);
+    node.moves = node.moves || animation_->moves(node.index);
+    if (!is_finite(node.to_world)) {
+      node_place(*document_, node.index).fail("its transform is not finite; export the file again");
+    }
     placed.push_back(node);
-    const auto& children = family.children[node.index];
-    for (auto child = children.rbegin(); child != children.rend(); ++child) open.push_back({*child, node.to_world});
+    const auto& children = family_.children[node.index];
+    for (auto child = children.rbegin(); child != children.rend(); ++child) {
+      open.push_back({*child, node.to_world, node.moves});
+    }
   }
   return placed;
+}
+
+std::vector<Mat4d> GltfNodes::to_world(std::optional<double> time) const {
+  std::vector<Mat4d> all(family_.parent.size());
+  for (const GltfNode& node : placed(std::nullopt, time)) all[node.index] = node.to_world;
+  return all;
+}
+
+Mat4d GltfNodes::to_world(std::uint32_t node, std::optional<double> time) const {
+  Mat4d placement = to_parent(node, time);
+  for (std::uint32_t n = family_.parent[node]; n != none; n = family_.parent[n]) {
+    placement = to_parent(n, time) * placement;
+  }
+  if (!is_finite(placement)) node_place(*document_, node).fail("its transform is not finite; export the file again");
+  return placement;
 }
 
 }  // namespace penumbra

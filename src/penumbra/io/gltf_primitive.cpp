@@ -21,7 +21,11 @@ constexpr std::array<Semantic, gltf_attribute_count> semantics = {{{"POSITION", 
                                                                    {"TANGENT", 4, 4},
                                                                    {"TEXCOORD_0", 2, 2},
                                                                    {"TEXCOORD_1", 2, 2},
-                                                                   {"COLOR_0", 3, 4}}};
+                                                                   {"COLOR_0", 3, 4},
+                                                                   {"JOINTS_0", 4, 4},
+                                                                   {"JOINTS_1", 4, 4},
+                                                                   {"WEIGHTS_0", 4, 4},
+                                                                   {"WEIGHTS_1", 4, 4}}};
 
 enum Mode : std::uint64_t { points, lines, line_loop, line_strip, triangle_list, triangle_strip, triangle_fan };
 
@@ -64,10 +68,15 @@ void check_attribute(const Semantic& semantic, int components, std::size_t count
   }
 }
 
-void read_attributes(GltfAccessors& accessors, const JsonPlace& place, const JsonPlace& names,
+/// Attributes of the surface come first; those of skins are read when there is one.
+std::size_t attributes_read(const GltfDeformation& deformation) {
+  return deformation.joints.empty() ? joints_0_attribute : gltf_attribute_count;
+}
+
+void read_attributes(GltfAccessors& accessors, const JsonPlace& place, const JsonPlace& names, std::size_t count,
                      GltfPrimitive& primitive) {
-  for (std::size_t a = 0; a < gltf_attribute_count; ++a) {
-    primitive.vertex_source[a] = -1;
+  primitive.vertex_source.fill(-1);
+  for (std::size_t a = 0; a < count; ++a) {
     const auto index = names.whole(semantics[a].name);
     if (!index) continue;
     primitive.vertex_source[a] = static_cast<std::int64_t>(*index);
@@ -110,12 +119,12 @@ void read_triangles(GltfDocument& document, GltfAccessors& accessors, const Json
 }
 
 void read_draco(GltfDocument& document, GltfAccessors& accessors, const JsonPlace& place, const JsonPlace& names,
-                const JsonPlace& compressed, GltfPrimitive& primitive) {
+                const JsonPlace& compressed, std::size_t count, GltfPrimitive& primitive) {
   const auto ids = compressed.object("attributes");
   if (!ids) compressed.fail("has no attributes; export the file again");
   std::vector<std::uint32_t> wanted;
   std::array<std::optional<std::size_t>, gltf_attribute_count> slot;
-  for (std::size_t a = 0; a < gltf_attribute_count; ++a) {
+  for (std::size_t a = 0; a < count; ++a) {
     const auto id = names.has(semantics[a].name) ? ids->whole(semantics[a].name) : std::nullopt;
     if (!id) continue;
     if (*id > std::numeric_limits<std::uint32_t>::max()) ids->fail(fmt::format("{} is no Draco id", *id));
@@ -130,7 +139,7 @@ void read_draco(GltfDocument& document, GltfAccessors& accessors, const JsonPlac
   }
   const DracoMesh& mesh = *primitive.draco;
   primitive.triangles = mesh.triangles;
-  for (std::size_t a = 0; a < gltf_attribute_count; ++a) {
+  for (std::size_t a = 0; a < count; ++a) {
     if (!slot[a]) continue;
     const DracoAttribute& from = mesh.attributes[*slot[a]];
     const auto told = accessors.shape(names.required_whole(semantics[a].name), place);
@@ -142,6 +151,31 @@ void read_draco(GltfDocument& document, GltfAccessors& accessors, const JsonPlac
                      .type = from.type,
                      .normalised = told.normalised};
   }
+}
+
+/// Puts what a deformation makes of the vertices in the place of the attributes.
+void bend(GltfDocument& document, GltfAccessors& accessors, const JsonPlace& place, const GltfDeformation& deformation,
+          GltfPrimitive& primitive) {
+  auto& attributes = primitive.attributes;
+  const std::optional<GltfElements> joints[2] = {attributes[joints_0_attribute], attributes[joints_1_attribute]};
+  const std::optional<GltfElements> weights[2] = {attributes[weights_0_attribute], attributes[weights_1_attribute]};
+  const DeformedAttributes from{*attributes[position_attribute], attributes[normal_attribute],
+                                attributes[tangent_attribute], joints, weights};
+  auto made = std::make_shared<DeformedVertices>(deformed(deformation, from, document, accessors, place));
+  const auto replace = [&](std::size_t attribute, const std::vector<float>& numbers, int components) {
+    if (!attributes[attribute]) return;
+    attributes[attribute] = GltfElements{.data = reinterpret_cast<const std::byte*>(numbers.data()),
+                                         .count = attributes[attribute]->count,
+                                         .stride = static_cast<std::size_t>(components) * sizeof(float),
+                                         .components = components,
+                                         .type = GltfComponent::float32,
+                                         .normalised = false};
+  };
+  replace(position_attribute, made->positions, 3);
+  replace(normal_attribute, made->normals, 3);
+  replace(tangent_attribute, made->tangents, 4);
+  for (std::size_t a = joints_0_attribute; a < gltf_attribute_count; ++a) attributes[a].reset();
+  primitive.deformed = std::move(made);
 }
 
 std::optional<JsonPlace> draco_of(const JsonPlace& place) {
@@ -160,7 +194,7 @@ std::size_t declared_triangles(const GltfAccessors& accessors, const JsonPlace& 
 }
 
 std::optional<GltfPrimitive> read_gltf_primitive(GltfDocument& document, GltfAccessors& accessors,
-                                                 const JsonPlace& place) {
+                                                 const JsonPlace& place, const GltfDeformation& deformation) {
   const std::uint64_t mode = place.whole("mode").value_or(triangle_list);
   if (mode > triangle_fan)
     place.fail(fmt::format("its mode {} is none of glTF's (0 to 6); export the file again", mode));
@@ -174,12 +208,11 @@ std::optional<GltfPrimitive> read_gltf_primitive(GltfDocument& document, GltfAcc
     document.warnings().count("a primitive without POSITION was left out", place.place());
     return std::nullopt;
   }
-  if (place.has("targets")) document.warnings().count("morph targets are not applied; the base shape is drawn", "");
-
   GltfPrimitive primitive;
   const auto compressed = draco_of(place);
-  if (compressed) read_draco(document, accessors, place, *names, *compressed, primitive);
-  read_attributes(accessors, place, *names, primitive);
+  const std::size_t count = attributes_read(deformation);
+  if (compressed) read_draco(document, accessors, place, *names, *compressed, count, primitive);
+  read_attributes(accessors, place, *names, count, primitive);
   for (std::size_t a = 0; a < gltf_attribute_count; ++a) {
     if (const auto& found = primitive.attributes[a]) {
       check_attribute(semantics[a], found->components, found->count, primitive.attributes[position_attribute]->count,
@@ -187,6 +220,7 @@ std::optional<GltfPrimitive> read_gltf_primitive(GltfDocument& document, GltfAcc
     }
   }
   if (!compressed) read_triangles(document, accessors, place, mode, primitive);
+  if (deformation.bends()) bend(document, accessors, place, deformation, primitive);
   return primitive;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -10,7 +12,10 @@
 #include <vector>
 
 #include "penumbra/file/file_error.h"
+#include "penumbra/io/gltf_accessor.h"
+#include "penumbra/io/gltf_animation.h"
 #include "penumbra/io/gltf_camera.h"
+#include "penumbra/io/gltf_deformation.h"
 #include "penumbra/io/gltf_document.h"
 #include "penumbra/io/gltf_light.h"
 #include "penumbra/io/gltf_material.h"
@@ -35,14 +40,22 @@ Rgb colour_of(const JsonPlace& place, std::string_view key) {
 class SceneReader {
  public:
   SceneReader(const std::filesystem::path& path, const ReadOptions& options)
-      : document_(path, options),
+      : options_(options),
+        document_(path, options),
+        accessors_(document_),
         textures_(document_, scene_),
-        meshes_(document_, [this](std::int64_t index, const JsonPlace& user) { return material(index, user); }) {}
+        meshes_(document_, accessors_,
+                [this](std::int64_t index, const JsonPlace& user) { return material(index, user); }),
+        animation_(options.plays() ? GltfAnimation(document_, accessors_, options.animation) : GltfAnimation()),
+        nodes_(document_, animation_) {
+    if (options.plays()) time_ = options.instant();
+  }
 
   LoadedScene read() {
     read_materials();
-    for (const GltfNode& node : placed_gltf_nodes(document_)) place(node);
-    if (const auto scene = gltf_scene(document_)) read_scene_extras(*scene);
+    const auto scene = gltf_scene(document_, options_.scene);
+    for (const GltfNode& node : nodes_.placed(scene, time_)) place(node);
+    if (scene) read_scene_extras(*scene);
     note_what_is_not_drawn();
     check();
     return {std::move(scene_), document_.warnings().sentences()};
@@ -76,37 +89,98 @@ class SceneReader {
   void place(const GltfNode& node) {
     const JsonPlace place = document_.item("nodes", "node", node.index, document_.root());
     const std::string name = place.text("name");
-    if (const auto mesh = place.whole("mesh")) place_mesh(*mesh, place, name, node.to_world);
+    if (const auto mesh = place.whole("mesh")) place_mesh(*mesh, place, name, node);
     if (const auto index = place.whole("camera")) {
-      Camera camera = read_gltf_camera(document_.item("cameras", "camera", *index, place), node.to_world);
+      const JsonPlace eye = document_.item("cameras", "camera", *index, place);
+      Camera camera = read_gltf_camera(eye, node.to_world);
       if (!name.empty()) camera.name = name;
+      camera.extras = place.extras_without("penumbra");
+      camera.motion = motion_of(node, [&](const Mat4d& m) { return read_gltf_camera(eye, m).to_world; });
       scene_.cameras.push_back(std::move(camera));
     }
     const auto extensions = place.object("extensions");
     if (const auto light = extensions ? extensions->object("KHR_lights_punctual") : std::nullopt) {
-      place_light(*light, name, node.to_world);
+      place_light(*light, name, place.extras_without("penumbra"), node.to_world);
+      if (options_.shutter && node.moves) note_still_light(place);
     }
   }
 
-  // A mesh is read when its first node is placed, and shared by all of them.
-  void place_mesh(std::uint64_t index, const JsonPlace& node, const std::string& name, const Mat4d& to_world) {
-    auto known = meshes_of_.find(index);
-    if (known == meshes_of_.end()) {
-      std::vector<std::uint32_t> made;
-      for (Mesh& mesh : meshes_.read(index, node)) {
-        made.push_back(static_cast<std::uint32_t>(scene_.meshes.size()));
-        scene_.meshes.push_back(std::move(mesh));
+  /// The way that a node goes while the shutter is open. @param made what becomes of a placement.
+  Motion motion_of(const GltfNode& node, const std::function<Mat4d(const Mat4d&)>& made) const {
+    if (!options_.shutter || !node.moves) return {};
+    const auto [opens, closes] = *options_.shutter;
+    return sampled_motion(
+        [&](double share) { return made(nodes_.to_world(node.index, opens + share * (closes - opens))); });
+  }
+
+  void note_still_light(const JsonPlace& node) {
+    document_.warnings().count("lights that move stand still, where they are in the middle of the exposure",
+                               node.place());
+  }
+
+  void place_mesh(std::uint64_t index, const JsonPlace& node, const std::string& name, const GltfNode& placed) {
+    const GltfDeformation bent = deformation_of(index, node, placed);
+    // Joints lead straight to the world (glTF 2.0, section 3.7.3.3).
+    const bool has_skin = !bent.joints.empty();
+    for (const std::uint32_t mesh : bent.bends() ? read_meshes(index, node, bent) : shared_meshes(index, node)) {
+      Instance instance{.name = name.empty() ? scene_.meshes[mesh].name : name, .mesh = mesh};
+      instance.extras = node.extras_without("penumbra");
+      if (!has_skin) {
+        instance.to_world = placed.to_world;
+        instance.motion = motion_of(placed, [](const Mat4d& m) { return m; });
       }
-      known = meshes_of_.emplace(index, std::move(made)).first;
+      if (!instance.motion.empty() && shines(scene_.meshes[mesh])) {
+        instance.motion.clear();
+        note_still_light(node);
+      }
+      scene_.instances.push_back(std::move(instance));
     }
-    for (const std::uint32_t mesh : known->second) {
-      scene_.instances.push_back(
-          {.name = name.empty() ? scene_.meshes[mesh].name : name, .mesh = mesh, .to_world = to_world});
-    }
-    if (node.has("skin")) document_.warnings().count("skins are not applied; meshes are drawn in their bind pose", "");
   }
 
-  void place_light(const JsonPlace& user, const std::string& name, const Mat4d& to_world) {
+  [[nodiscard]] bool shines(const Mesh& mesh) const {
+    return std::any_of(mesh.materials.begin(), mesh.materials.end(),
+                       [&](std::uint32_t m) { return scene_.materials[m].emits(); });
+  }
+
+  std::vector<std::uint32_t> read_meshes(std::uint64_t index, const JsonPlace& node, const GltfDeformation& bent) {
+    std::vector<std::uint32_t> made;
+    for (Mesh& mesh : meshes_.read(index, node, bent)) {
+      made.push_back(static_cast<std::uint32_t>(scene_.meshes.size()));
+      scene_.meshes.push_back(std::move(mesh));
+    }
+    return made;
+  }
+
+  // A mesh that keeps its shape is read when its first node is placed, and shared by all of them.
+  const std::vector<std::uint32_t>& shared_meshes(std::uint64_t index, const JsonPlace& node) {
+    auto known = meshes_of_.find(index);
+    if (known == meshes_of_.end()) known = meshes_of_.emplace(index, read_meshes(index, node, {})).first;
+    return known->second;
+  }
+
+  // Weights of the animation, else of the node, else of the mesh.
+  GltfDeformation deformation_of(std::uint64_t index, const JsonPlace& node, const GltfNode& placed) {
+    GltfDeformation bent;
+    const JsonPlace mesh = document_.item("meshes", "mesh", index, node);
+    if (auto played = animation_.weights(placed.index, time_)) {
+      bent.weights = std::move(*played);
+    } else if (node.has("weights") || mesh.has("weights")) {
+      bent.weights = (node.has("weights") ? node : mesh).number_list("weights");
+    }
+    if (const auto skin = node.whole("skin")) {
+      if (node_places_.empty()) node_places_ = nodes_.to_world(time_);
+      bent.joints = gltf_joints(document_, accessors_, node_places_, *skin, node);
+    }
+    if (options_.shutter && bent.bends() && (animation_.morphs(placed.index) || !bent.joints.empty())) {
+      document_.warnings().count(
+          "skins and morph targets keep the shape that they have in the middle of the exposure; only whole objects "
+          "blur",
+          node.place());
+    }
+    return bent;
+  }
+
+  void place_light(const JsonPlace& user, const std::string& name, std::string said, const Mat4d& to_world) {
     const auto extensions = document_.root().object("extensions");
     const auto holder = extensions ? extensions->object("KHR_lights_punctual") : std::nullopt;
     const auto lights = holder ? holder->list("lights") : std::nullopt;
@@ -118,6 +192,7 @@ class SceneReader {
     const JsonPlace place = lights->item(static_cast<std::size_t>(index), "light");
     Light light = read_gltf_light(place, to_world);
     if (!name.empty()) light.name = name;
+    light.extras = std::move(said);
     scene_.lights.push_back(std::move(light));
     const auto extras = place.extras("penumbra");
     if (extras && extras->has("ies")) hang_luminaire(*extras, to_world);
@@ -139,6 +214,7 @@ class SceneReader {
   }
 
   void read_scene_extras(const JsonPlace& scene) {
+    scene_.extras = scene.extras_without("penumbra");
     const auto extras = scene.extras("penumbra");
     if (!extras) return;
     if (const auto environment = extras->object("environment")) {
@@ -158,8 +234,12 @@ class SceneReader {
   }
 
   void note_what_is_not_drawn() {
-    if (document_.count("animations") > 0) {
+    const bool has_animation = document_.count("animations") > 0;
+    if (has_animation && !options_.plays()) {
       document_.warnings().count("animations are not played; the scene is drawn at rest", "");
+    }
+    if (!has_animation && options_.plays()) {
+      document_.warnings().count("there is no animation, so nothing moves", "");
     }
     if (scene_.instances.empty()) document_.warnings().count("the scene has no mesh, so there is nothing to draw", "");
   }
@@ -172,10 +252,16 @@ class SceneReader {
     }
   }
 
+  ReadOptions options_;
   GltfDocument document_;
+  GltfAccessors accessors_;
   Scene scene_;
   GltfTextures textures_;
   GltfMeshes meshes_;
+  GltfAnimation animation_;
+  GltfNodes nodes_;
+  std::optional<double> time_;      // of the animation, where one is played
+  std::vector<Mat4d> node_places_;  // of all nodes at that time, once a skin asks
   std::optional<std::uint32_t> default_material_;
   std::map<std::uint64_t, std::vector<std::uint32_t>> meshes_of_;
 };

@@ -7,19 +7,21 @@
 
 namespace penumbra {
 
-/// Reads .gltf or .glb (by its first bytes): the nodes of the default scene (of the first when none is named, of all
-/// roots when there are no scenes), meshes as instances, materials, textures, punctual lights (photometric values
-/// divided by 683 lm/W), cameras.
+/// Reads .gltf or .glb (by its first bytes): the nodes of the scene chosen, else of the default scene (of the first
+/// when none is named, of all roots when there are no scenes), meshes as instances, materials, textures, punctual
+/// lights (photometric values divided by 683 lm/W), cameras.
 ///
 /// Extensions: KHR_lights_punctual, KHR_materials_{emissive_strength, ior, transmission, volume, specular, unlit},
-/// KHR_texture_transform, KHR_mesh_quantization, KHR_draco_mesh_compression, EXT_texture_webp. An unknown required
+/// KHR_texture_transform, KHR_mesh_quantization, KHR_draco_mesh_compression, EXT_meshopt_compression,
+/// EXT_texture_webp. An unknown required
 /// one is an error that names it; an unknown optional one is one warning. Transmission without a volume of some
 /// thickness is thin-walled.
 ///
 /// A glTF mesh becomes one Mesh, with a material for each triangle where its primitives differ; primitives with other
-/// vertex attributes than the first's become Meshes of their own. Points and lines, skins, morph targets and
-/// animations are warnings. An instance bears the name of its node, else of its mesh; missing normals stay missing.
-/// An image that cannot be read is a warning: the factors stand for it, black for emission.
+/// vertex attributes than the first's become Meshes of their own. Skins and morph targets bend meshes, at rest or at a
+/// time of an animation; each node with one then has a Mesh of its own. Points and lines are warnings. An instance
+/// bears the name of its node, else of its mesh; missing normals stay missing. An image that cannot be read is a
+/// warning: the factors stand for it, black for emission.
 ///
 /// What glTF has no words for is read from `extras.penumbra` (all optional; colours linear Rec. 709):
 /// - of a light: `{"falloff": "none"}`, a point light without distance falloff (PointLight::inverse_square);

@@ -82,6 +82,13 @@ std::optional<std::uint32_t> GltfTextures::texture(std::uint64_t index, const Js
   std::optional<std::uint64_t> source = place.whole("source");
   if (const auto webp = extension(place, "EXT_texture_webp")) source = webp->required_whole("source");
   auto& slot = texture_of_[index];
+  if (!source && extension(place, "KHR_texture_basisu")) {
+    document_->warnings().count(
+        "a texture has only a Basis Universal picture (.ktx2, KHR_texture_basisu), which is not read, so its material "
+        "goes without it; convert it to PNG, JPEG or WebP",
+        place.place());
+    return slot;
+  }
   if (!source) {
     document_->warnings().count("a texture names no image that is supported, so its material goes without it",
                                 place.place());

@@ -141,7 +141,11 @@ class GltfWriter {
     for (const Material& material : scene_.materials) root_["materials"].push_back(json_of_material(material));
     for (const Instance& instance : scene_.instances) add_instance(instance);
     for (const ShapeObject& object : scene_.shapes) add_shape(object);
-    for (const Light& light : scene_.lights) std::visit([&](const auto& l) { add_light(light.name, l); }, light.kind);
+    for (const Light& light : scene_.lights) {
+      std::visit([&](const auto& l) { add_light(light.name, l); }, light.kind);
+      const bool has_node = !std::holds_alternative<AmbientLight>(light.kind);
+      if (has_node) add_extras(root_["nodes"].back(), light.extras);
+    }
     for (const Camera& camera : scene_.cameras) add_camera(camera);
     add_scene_extras();
     add_buffer();
@@ -157,13 +161,26 @@ class GltfWriter {
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::move(warnings_); }
 
  private:
-  void warn(std::string sentence) {
-    if (std::ranges::find(warnings_, sentence) == warnings_.end()) warnings_.push_back(std::move(sentence));
+  void warn(const std::string& sentence) {
+    if (std::ranges::find(warnings_, sentence) == warnings_.end()) warnings_.push_back(sentence);
   }
   /// The extension's object of an element, which is noted as used.
   Json& extension(Json& element, const std::string& name) {
     extensions_.insert(name);
     return element["extensions"][name] = Json::object();
+  }
+  /// Puts what the input said besides to what is ours to say.
+  static void add_extras(Json& element, const std::string& text) {
+    if (text.empty()) return;
+    const Json kept = Json::parse(text, nullptr, false);
+    if (kept.is_discarded()) return;
+    if (!element.contains("extras")) {
+      element["extras"] = kept;
+    } else if (kept.is_object()) {
+      for (const auto& [name, value] : kept.items()) {
+        if (!element["extras"].contains(name)) element["extras"][name] = value;
+      }
+    }
   }
   std::size_t append(const char* array, Json element) {
     root_[array].push_back(std::move(element));
@@ -279,6 +296,7 @@ class GltfWriter {
           {"index", lightmap_->texture}, {"texCoord", lightmap_->uv_set}, {"intensity", lightmap_->strength}};
     }
     add_material_extras(json, m);
+    add_extras(json, m.extras);
     return json;
   }
 
@@ -386,14 +404,16 @@ class GltfWriter {
     Json json = Json::object();
     if (!mesh.name.empty()) json["name"] = mesh.name;
     for (const Primitive& part : primitives(mesh)) json["primitives"].push_back(json_of_primitive(mesh, part));
+    add_extras(json, mesh.extras);
     return append("meshes", std::move(json));
   }
 
-  void add_mesh_node(const std::string& name, std::size_t mesh, const Mat4d& to_world) {
+  void add_mesh_node(const std::string& name, std::size_t mesh, const Mat4d& to_world, const std::string& extras = {}) {
     Json node = Json::object();
     if (!name.empty()) node["name"] = name;
     node["mesh"] = mesh;
     if (to_world != Mat4d(1.0)) node["matrix"] = json_of(to_world);
+    add_extras(node, extras);
     add_node(std::move(node));
   }
 
@@ -404,12 +424,12 @@ class GltfWriter {
       return;
     }
     if (!is_rotation_and_scale(instance.to_world)) {
-      add_mesh_node(instance.name, add_mesh(placed(mesh, instance.to_world)), Mat4d(1.0));
+      add_mesh_node(instance.name, add_mesh(placed(mesh, instance.to_world)), Mat4d(1.0), instance.extras);
       return;
     }
     const auto [entry, added] = mesh_of_.try_emplace(instance.mesh, 0);
     if (added) entry->second = add_mesh(mesh);
-    add_mesh_node(instance.name, entry->second, instance.to_world);
+    add_mesh_node(instance.name, entry->second, instance.to_world, instance.extras);
   }
 
   /// A shape's triangles are stored once; each material that wears them has a mesh of its own over the same accessors.
@@ -527,6 +547,7 @@ class GltfWriter {
     if (!camera.name.empty()) node["name"] = camera.name;
     node["camera"] = append("cameras", std::move(json));
     node["matrix"] = json_of(rigid);
+    add_extras(node, camera.extras);
     add_node(std::move(node));
   }
 
@@ -541,6 +562,7 @@ class GltfWriter {
       scene["extras"]["penumbra"]["media"].push_back(json_of_medium(scene_.media[m]));
     }
     if (ambient_) scene["extras"]["penumbra"]["ambient"] = json_of(*ambient_);
+    add_extras(scene, scene_.extras);
   }
 
   // The file.

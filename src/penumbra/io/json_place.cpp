@@ -106,10 +106,26 @@ void JsonPlace::read_numbers(std::string_view key, double* values, std::size_t c
   }
 }
 
+std::vector<double> JsonPlace::number_list(std::string_view key) const {
+  const auto numbers = list(key);
+  std::vector<double> values(numbers ? numbers->size() : 0);
+  if (!values.empty()) read_numbers(key, values.data(), values.size());
+  return values;
+}
+
 std::optional<JsonPlace> JsonPlace::extras(std::string_view name) const {
   const JsonValue* extras = find("extras");
   if (extras == nullptr || extras->object() == nullptr) return std::nullopt;
   return child("extras", *extras).object(name);
+}
+
+std::string JsonPlace::extras_without(std::string_view name) const {
+  const JsonValue* extras = find("extras");
+  if (extras == nullptr) return {};
+  if (extras->object() == nullptr) return json_text(*extras);
+  JsonValue::Object kept = *extras->object();
+  if (const auto found = kept.find(name); found != kept.end()) kept.erase(found);
+  return kept.empty() ? std::string() : json_text(JsonValue{std::move(kept)});
 }
 
 const JsonValue::Array& JsonPlace::array() const {

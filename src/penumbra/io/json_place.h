@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "penumbra/io/json_value.h"
 
@@ -49,8 +50,13 @@ class JsonPlace {
     read_numbers(key, values.data(), N);
     return values;
   }
+  /// Any count of finite numbers; none when it is not there.
+  [[nodiscard]] std::vector<double> number_list(std::string_view key) const;
   /// The object `extras.NAME`, if it is there: extras of other programs may be of any kind and are passed over.
   [[nodiscard]] std::optional<JsonPlace> extras(std::string_view name) const;
+
+  /// The extras as JSON text, without what is read from `extras.NAME`; empty when nothing is left.
+  [[nodiscard]] std::string extras_without(std::string_view name) const;
 
   // Elements of an array; each throws when this is no array.
 

@@ -113,6 +113,28 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
   return fmt::format("line {}, column {}", line, column);
 }
 
+using Replace = nlohmann::json::error_handler_t;
+
+// Nesting was bounded when the value was parsed.
+nlohmann::ordered_json as_nlohmann(const JsonValue& value) {
+  if (const auto* array = value.array()) {
+    auto made = nlohmann::ordered_json::array();
+    for (const JsonValue& element : *array) made.push_back(as_nlohmann(element));
+    return made;
+  }
+  if (const auto* object = value.object()) {
+    auto made = nlohmann::ordered_json::object();
+    for (const auto& [name, member] : *object) made[name] = as_nlohmann(member);
+    return made;
+  }
+  if (const auto* text = std::get_if<std::string>(&value.content)) return *text;
+  if (const auto* flag = std::get_if<bool>(&value.content)) return *flag;
+  const auto* number = std::get_if<double>(&value.content);
+  if (number == nullptr) return nullptr;
+  const bool whole = std::abs(*number) <= 0x1p53 && std::floor(*number) == *number;
+  return whole ? nlohmann::ordered_json(static_cast<std::int64_t>(*number)) : nlohmann::ordered_json(*number);
+}
+
 }  // namespace
 
 JsonValue parse_json(std::string_view text, const std::filesystem::path& path) {
@@ -124,5 +146,7 @@ JsonValue parse_json(std::string_view text, const std::filesystem::path& path) {
   if (!whole) throw FileError(path.string(), "", "is not valid JSON; export the file again");
   return builder.take();
 }
+
+std::string json_text(const JsonValue& value) { return as_nlohmann(value).dump(-1, ' ', false, Replace::replace); }
 
 }  // namespace penumbra

@@ -22,6 +22,9 @@ struct JsonValue {
   [[nodiscard]] const Object* object() const { return std::get_if<Object>(&content); }
 };
 
+/// A value as JSON text, on one line.
+[[nodiscard]] std::string json_text(const JsonValue& value);
+
 /// The deepest nesting of arrays and objects that is read.
 inline constexpr std::size_t max_json_depth = 128;
 

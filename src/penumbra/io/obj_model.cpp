@@ -239,6 +239,18 @@ void ObjParser::read_unknown() {
     warnings_.count("lines and points have no surface and were left out", statements_.place());
     return;
   }
+  // Specification "Object files (.obj)", free-form geometry and superseded statements for it.
+  constexpr std::array free_form{"vp",    "cstype", "deg",  "bmat", "step", "curv", "curv2", "surf",
+                                 "parm",  "trim",   "hole", "scrv", "sp",   "end",  "con",   "mg",
+                                 "ctech", "stech",  "bsp",  "bzp",  "cdc",  "cdp",  "res"};
+  if (std::find(free_form.begin(), free_form.end(), keyword) != free_form.end()) {
+    if (keyword != "curv" && keyword != "curv2" && keyword != "surf" && keyword != "bsp" && keyword != "bzp" &&
+        keyword != "cdc" && keyword != "cdp") {
+      return;  // a part of those
+    }
+    warnings_.count("free-form curves and surfaces are not drawn; convert them to polygons", statements_.place());
+    return;
+  }
   warnings_.count("statements that are not known were left out",
                   fmt::format("{} ({})", statements_.place(), in_quotes(keyword)));
 }

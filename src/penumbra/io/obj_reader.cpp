@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -88,6 +89,14 @@ void add_materials(const ObjModel& model, const MtlLibrary& library, const Asset
   }
 }
 
+// By its byte order mark, or a first letter of two bytes.
+bool is_utf_16(std::span<const std::byte> bytes) {
+  if (bytes.size() < 2) return false;
+  const auto first = std::to_integer<int>(bytes[0]);
+  const auto second = std::to_integer<int>(bytes[1]);
+  return (first == 0xFE && second == 0xFF) || (first == 0xFF && second == 0xFE) || (first == 0) != (second == 0);
+}
+
 }  // namespace
 
 LoadedScene read_obj(const std::filesystem::path& path, const ReadOptions& options) {
@@ -101,6 +110,7 @@ LoadedScene read_obj(const std::filesystem::path& path, const ReadOptions& optio
 
   const ObjModel model = [&] {
     const auto bytes = read_file(path);
+    if (is_utf_16(bytes)) throw FileError(name, "byte 0", "is UTF-16 text; save it as UTF-8 or plain ASCII");
     return parse_obj(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, unit, warnings);
   }();
   const AssetFolder folder(path, options.allow_outside);

@@ -78,7 +78,8 @@ Rgb Airlight::scattered_once(const Way& way, int depth, PixelSampler& sampler, R
 
 // What one light brings to a point of the way, scattered towards its start, 1/m of it.
 Rgb Airlight::from_light(const Way& way, std::size_t light, double t, const Vec2d& u) const {
-  const SurfacePoint at = point_in_air(way.ray.at(t));
+  SurfacePoint at = point_in_air(way.ray.at(t));
+  at.time = way.ray.time;
   const auto s = lights_->sample_light(light, at, u);
   if (!s) return Rgb(0);
   Rgb scattered(0);

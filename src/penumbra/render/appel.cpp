@@ -19,6 +19,7 @@ class Appel final : public RayIntegrator, private RayWaves::Others {
         tracer_(tracer),
         camera_(camera),
         direct_(tracer, options),
+        textures_(tracer),
         front_sides_only_(options.front_sides_only) {
     if (direct_.is_selective()) {
       const SpecularTree tree(tracer, options.front_sides_only);
@@ -29,6 +30,7 @@ class Appel final : public RayIntegrator, private RayWaves::Others {
                             {.max_depth = 0,
                              .at_middles = options.samples_per_pixel == 1,
                              .through_glass = !options.opaque_shadows,
+                             .textures = &textures_,
                              .seed = options.seed});
   }
 
@@ -48,14 +50,17 @@ class Appel final : public RayIntegrator, private RayWaves::Others {
  private:
   [[nodiscard]] PixelEstimate shade(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const;
 
-  Rgb trace(const Ray& ray, const Rgb&, int, PixelSampler& sampler, RayCounts& rays) const override {
+  Rgb trace(const Ray& ray, const Rgb&, int, const std::optional<RayDifferential>&, PixelSampler& sampler,
+            RayCounts& rays) const override {
     return shade(ray, sampler, rays).radiance;
   }
+  [[nodiscard]] SurfaceMaterial surface_met(const Ray& ray, const SurfacePoint& point) const;
 
   const RayTracer& tracer_;
   CameraRays camera_;
   DirectLight direct_;
   RayCounts first_pass_;
+  FilteredTextures textures_;
   bool front_sides_only_;
   std::unique_ptr<RayWaves> waves_;
 };
@@ -72,13 +77,20 @@ PixelEstimate Appel::shade(const Ray& ray, PixelSampler& sampler, RayCounts& ray
   const Vec3d wo = -ray.direction;
   const Material& material = tracer_.scene().materials[point.material];
   if (front_sides_only_ && dot(point.geometric_normal, wo) < 0) return seen;
-  const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
+  const SurfaceMaterial surface = surface_met(ray, point);
   const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
   if (material.unlit || emits_towards(material, point.geometric_normal, wo)) seen.radiance = surface.emission;
   seen.radiance += direct_.lights().ambient() * bsdf.diffuse_reflectance();
   if (bsdf.has_spread()) seen.radiance += direct_.reflected(point, bsdf, wo, 0, 0, sampler, rays);
   note_surface(seen, ray, point, surface, bsdf, seen.radiance);
   return seen;
+}
+
+SurfaceMaterial Appel::surface_met(const Ray& ray, const SurfacePoint& point) const {
+  if (!textures_.any()) return surface_material(tracer_.scene(), point);
+  const Footprint footprint = footprint_of(ray, camera_.differential(ray), point);
+  const FilteredTextures::View view(textures_, point, footprint);
+  return surface_material(tracer_.scene(), point, &view);
 }
 
 }  // namespace

@@ -17,12 +17,13 @@ int CameraPackets::aim(const PixelBlock& block, int number, RayPacket& rays, std
     PixelSample sample{block.x0 + std::min(lane, used - 1) % width, block.y0 + std::min(lane, used - 1) / width,
                        number};
     Vec2d offset(0);
+    PixelSampler random(seed_, sample.x, sample.y, number);
     if (!camera_.centred() && lane < used) {
-      PixelSampler random(seed_, sample.x, sample.y, number);
       const Filter::Position at = camera_.sub_pixel(random);
       offset = at.offset;
       sample.weight = at.weight;
     }
+    rays.time[lane] = static_cast<float>(camera_.time(random));
     x[i] = static_cast<float>(sample.x + 0.5 + offset.x);
     y[i] = static_cast<float>(sample.y + 0.5 + offset.y);
     if (lane < used) samples.push_back(sample);

@@ -32,7 +32,8 @@ class CameraPackets {
     return random;
   }
   /// How many random numbers place a sample.
-  [[nodiscard]] int numbers_used() const { return camera_.centred() ? 0 : 1; }
+  [[nodiscard]] int numbers_used() const { return camera_.drawn(); }
+  [[nodiscard]] const CameraRays& rays() const { return camera_; }
 
  private:
   const CameraRays& camera_;

@@ -42,6 +42,9 @@ class RayIntegrator : public Integrator {
   /// What one camera ray sees.
   [[nodiscard]] virtual PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const = 0;
 
+ protected:
+  [[nodiscard]] const CameraRays& camera() const { return camera_; }
+
  private:
   CameraRays camera_;
   std::uint64_t seed_;

@@ -74,7 +74,8 @@ PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
   for (const Material& m : scene.materials) materials_.push_back(packet_material(m));
   for (const Instance& i : scene.instances) {
     const bool mirrors = is_mirroring(i.to_world);
-    places_.push_back({.as_is = i.to_world == Mat4d(1.0),
+    places_.push_back({.moves = !i.motion.empty(),
+                       .as_is = i.to_world == Mat4d(1.0),
                        .mirrors = mirrors,
                        .to_world = i.to_world,
                        .normals = normal_matrix(i.to_world) * (mirrors ? -1.0 : 1.0)});
@@ -83,7 +84,8 @@ PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
 
 bool PacketSurfaces::all_matt() const {
   const auto matt = [&](std::uint32_t m) {
-    return materials_[m].kind == PacketMaterial::Kind::matt && is_black(materials_[m].mirror);
+    return materials_[m].kind == PacketMaterial::Kind::matt && is_black(materials_[m].mirror) &&
+           materials_[m].checker_size == 0;
   };
   for (const ShapeObject& s : scene_->shapes) {
     const bool gathered = std::holds_alternative<Sphere>(s.shape) || std::holds_alternative<Plane>(s.shape);
@@ -91,7 +93,7 @@ bool PacketSurfaces::all_matt() const {
   }
   for (const Instance& i : scene_->instances) {
     const Mesh& mesh = scene_->meshes[i.mesh];
-    if (!mesh.colours.empty() || !std::all_of(mesh.materials.begin(), mesh.materials.end(), matt)) return false;
+    if (!i.motion.empty() || !mesh.colours.empty() || !std::all_of(mesh.materials.begin(), mesh.materials.end(), matt)) return false;
   }
   return true;
 }
@@ -149,6 +151,7 @@ const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, Hi
   const PacketMaterial& material = materials_[mesh.material_of(primitive)];
   if (material.kind == PacketMaterial::Kind::other || !mesh.colours.empty()) return nullptr;
   const Place& place = places_[object];
+  if (place.moves) return nullptr;
   const Mesh::Triangle& corner = mesh.triangles[primitive];
   const auto world = [&](std::uint32_t vertex) {
     const Vec3d& p = mesh.positions[vertex];

@@ -23,12 +23,7 @@ struct PacketMaterial {
   float ior = 1;  ///< of glass
   Rgb tint{0};    ///< of what glass lets through
 
-  /// Of a matt surface at a lane's point.
-  [[nodiscard]] Rgb reflectance_at(const PointLanes& points, std::size_t lane) const {
-    return reflectance[checker_size > 0 && on_second_colour(points, lane) ? 1 : 0];
-  }
-
- private:
+  /// Whether a lane's point lies in a square of the second colour.
   [[nodiscard]] bool on_second_colour(const PointLanes& points, std::size_t lane) const;
 };
 
@@ -41,7 +36,7 @@ class PacketSurfaces {
  public:
   explicit PacketSurfaces(const Scene& scene);
 
-  /// Whether everything in the scene is matt without mirrors, so that no lane needs to be shaded by itself.
+  /// Whether everything in the scene rests and is matt, of one colour and without mirrors, so that no lane needs to be shaded by itself.
   [[nodiscard]] bool all_matt() const;
 
   /// Asks for what `gather` will read, of all lanes at once: in large scenes memory is what it waits for.
@@ -55,6 +50,7 @@ class PacketSurfaces {
  private:
   /// An instance whose vertices need no turning, or how to turn them.
   struct Place {
+    bool moves = false;
     bool as_is = true;
     bool mirrors = false;
     Mat4d to_world{1.0};

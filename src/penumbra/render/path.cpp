@@ -37,6 +37,7 @@ class Path final : public RayIntegrator {
         lights_(tracer.scene()),
         shadow_(tracer, false),
         airlight_(lights_, shadow_),
+        textures_(tracer),
         max_depth_(options.max_depth),
         front_sides_only_(options.front_sides_only),
         camera_(camera) {
@@ -65,6 +66,9 @@ class Path final : public RayIntegrator {
     Vec3d last_facing{0};      // the shading normal there, on the side the path came from
     bool mirrors_only = true;  // no lobe with spread yet
     Interior interior;
+    // Of the ray, until the first bounce with spread: from there on textures are read at points.
+    std::optional<RayDifferential> differential;
+    Footprint footprint;  // of the surface that it met
   };
 
   [[nodiscard]] Rgb sky(const Walk& walk) const;
@@ -77,13 +81,17 @@ class Path final : public RayIntegrator {
   [[nodiscard]] bool scatters_before(const std::optional<Hit>& hit, Walk& walk, PixelEstimate& seen,
                                      PixelSampler& sampler, RayCounts& rays) const;
   void scatter(const Media::Flight& flight, Walk& walk, PixelSampler& sampler) const;
-  [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler,
-                            RayCounts& rays) const;
+  [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface, const Bsdf& bsdf,
+                            PixelSampler& sampler, RayCounts& rays) const;
+  [[nodiscard]] SurfaceMaterial surface_met(Walk& walk, const SurfacePoint& point) const;
+  void turn_differential(Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface, const Bsdf& bsdf,
+                         const BsdfSample& to) const;
 
   const RayTracer& tracer_;
   LightSampler lights_;
   Shadow shadow_;
   Airlight airlight_;
+  FilteredTextures textures_;
   int max_depth_;
   bool front_sides_only_;
   CameraRays camera_;
@@ -95,6 +103,7 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
   Walk walk;
   walk.ray = ray;
   walk.start = ray.origin;
+  if (textures_.any()) walk.differential = camera().differential(ray);
   count(rays, RayPurpose::primary, 0);
   while (true) {
     const auto hit = tracer_.nearest(walk.ray);
@@ -117,11 +126,12 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
     const Material& material = tracer_.scene().materials[point.material];
     if (front_sides_only_ && !front && material.transmission == 0) return seen;
 
-    const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
+    const SurfaceMaterial surface = surface_met(walk, point);
     if (surface.alpha < 1 && sampler.next_1d() >= surface.alpha) {
       count(rays, RayPurpose::refraction, walk.depth);
       walk.start = point.position;
       walk.interior.cross(tracer_.scene(), point, walk.ray.direction, true);
+      if (walk.differential) walk.differential = passed_on(*walk.differential, walk.footprint);
       walk.ray = leave(point, walk.ray.direction);  // seen through; the walk's memory of its last bounce stays
       continue;
     }
@@ -137,7 +147,29 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
       if (walk.depth == 0) seen.direct += light;
       seen.radiance += light;
     }
-    if (!bounce(walk, point, bsdf, sampler, rays)) return seen;
+    if (!bounce(walk, point, surface, bsdf, sampler, rays)) return seen;
+  }
+}
+
+SurfaceMaterial Path::surface_met(Walk& walk, const SurfacePoint& point) const {
+  if (!walk.differential) return surface_material(tracer_.scene(), point);
+  walk.footprint = footprint_of(walk.ray, *walk.differential, point);
+  const FilteredTextures::View view(textures_, point, walk.footprint);
+  return surface_material(tracer_.scene(), point, &view);
+}
+
+// Before the walk turns to the ray that goes on.
+void Path::turn_differential(Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface, const Bsdf& bsdf,
+                             const BsdfSample& to) const {
+  if (!walk.differential) return;
+  if (!to.ideal) {
+    walk.differential.reset();
+  } else if (to.transmitted) {
+    const bool front = dot(point.geometric_normal, walk.ray.direction) < 0;
+    walk.differential = refracted(tracer_, walk.ray, *walk.differential, walk.footprint, point, bsdf.shading_normal(),
+                                  to.direction, relative_index(surface, front));
+  } else {
+    walk.differential = reflected(tracer_, walk.ray, *walk.differential, walk.footprint, point, bsdf.shading_normal());
   }
 }
 
@@ -229,7 +261,10 @@ bool Path::scatters_before(const std::optional<Hit>& hit, Walk& walk, PixelEstim
 void Path::scatter(const Media::Flight& flight, Walk& walk, PixelSampler& sampler) const {
   const HenyeyGreenstein phase(tracer_.scene().media[flight.medium].asymmetry);
   const Vec3d forward = walk.ray.direction;
-  walk.ray = {.origin = walk.ray.at(flight.distance), .direction = phase.sample(forward, sampler.next_2d())};
+  walk.ray = {.origin = walk.ray.at(flight.distance),
+              .direction = phase.sample(forward, sampler.next_2d()),
+              .time = walk.ray.time};
+  walk.differential.reset();
   walk.bsdf_pdf = phase.value(dot(forward, walk.ray.direction));
   walk.start = walk.last_position = walk.ray.origin;
   walk.last_facing = Vec3d(0);
@@ -237,8 +272,8 @@ void Path::scatter(const Media::Flight& flight, Walk& walk, PixelSampler& sample
 }
 
 // Chooses where the path goes on; false when it ends.
-bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler,
-                  RayCounts& rays) const {
+bool Path::bounce(Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface, const Bsdf& bsdf,
+                  PixelSampler& sampler, RayCounts& rays) const {
   const double u_lobe = sampler.next_1d();
   const auto s = bsdf.sample(-walk.ray.direction, u_lobe, sampler.next_2d());
   if (!s) return false;
@@ -249,6 +284,7 @@ bool Path::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, Pixel
   walk.last_facing = facing(bsdf, -walk.ray.direction);
   walk.mirrors_only = walk.mirrors_only && s->ideal;
   walk.interior.cross(tracer_.scene(), point, s->direction, s->transmitted);
+  turn_differential(walk, point, surface, bsdf, *s);
   walk.ray = leave(point, s->direction);
   count(rays,
         !s->ideal        ? RayPurpose::diffuse

@@ -1,5 +1,6 @@
 #include "penumbra/render/path_waves.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -205,7 +206,7 @@ void PathWaves::Batch::classify(const Wave& wave, Lit& lit) {
     if (lit.material[i] == nullptr) continue;
     if (!is_black(lit.material[i]->emission)) shine(wave, i, lit);
     if (lit.points.facing[i] <= 0) turn_towards_eye(wave.rays, i, lit.points);
-    lit.reflectance[i] = lit.material[i]->reflectance_at(lit.points, i);
+    lit.reflectance[i] = lit.material[i]->reflectance[0];
     lit.lit[i] = is_black(lit.reflectance[i]) ? 0 : -1;
     const PixelSampler random = owner_.camera_.sampler(samples_[wave.sample[i]]);
     lit.index[i] = random.index();
@@ -258,6 +259,7 @@ void PathWaves::Batch::light(const Wave& wave, Lit& lit) {
     radiance[i] = t.radiance;
   }
   aim_at_area(lit.points, lit.on_lamp, lit.lit, lit.shadow, lit.geometry);
+  std::copy(std::begin(wave.rays.time), std::end(wave.rays.time), std::begin(lit.shadow.time));
   share_with_bounce(lit.points, lit.shadow, lit.geometry);
   std::uint64_t cast = 0;
   for (const std::int32_t a : lit.shadow.active) cast += a != 0 ? 1 : 0;
@@ -297,6 +299,7 @@ void PathWaves::Batch::bounce(const Wave& wave, const Lit& lit) {
     to.rays.direction_y[k] = scattered.direction.y[i];
     to.rays.direction_z[k] = scattered.direction.z[i];
     to.rays.t_min[k] = 0;
+    to.rays.time[k] = wave.rays.time[i];
     to.rays.t_max[k] = std::numeric_limits<float>::infinity();
     to.rays.active[k] = -1;
     to.r[k] = throughput.x, to.g[k] = throughput.y, to.b[k] = throughput.z;

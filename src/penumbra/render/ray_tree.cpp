@@ -172,7 +172,9 @@ void add_what_children_bring(RayTree& tree) {
 RayTree make_ray_tree(const RayTracer& tracer, const Ray& primary, const RayTreeOptions& options) {
   RayTree tree;
   Recorder recorder(tracer, options, tree);
-  tree.radiance = SpecularTree(tracer, options.front_sides_only).trace(primary, {.start = primary.origin}, recorder);
+  const FilteredTextures textures(tracer);
+  const SpecularTree::Branch root{.start = primary.origin, .differential = options.differential};
+  tree.radiance = SpecularTree(tracer, options.front_sides_only, &textures).trace(primary, root, recorder);
   if (tree.rays.empty()) {  // a black back: nothing was asked of it
     TreeRay only;
     only.origin = primary.origin;

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "penumbra/tracing/ray_differential.h"
 #include "penumbra/tracing/ray_tracer.h"
 
 namespace penumbra {
@@ -58,6 +59,7 @@ struct RayTreeOptions {
   double min_throughput = 1e-3;
   bool opaque_shadows = false;
   bool front_sides_only = false;
+  std::optional<RayDifferential> differential{};  ///< of the primary ray, for textures; none: read at points
 };
 
 /// Traces the tree of one camera ray. Lights with a body are met at their middle where they have one, else at one

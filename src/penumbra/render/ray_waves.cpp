@@ -1,11 +1,14 @@
 #include "penumbra/render/ray_waves.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/tracing/shading/checker.h"
 #include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
@@ -30,7 +33,14 @@ struct alignas(64) RayWaves::Wave {
   ColourLanes weight;
   std::uint32_t sample[lanes];
   std::uint32_t node[lanes];
+  std::array<RayDifferential, RayPacket::size> differential;  // where something is filtered
   int used = 0;
+
+  [[nodiscard]] Ray ray(int lane) const {
+    return {.origin = {rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
+            .direction = normalize(Vec3d(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane])),
+            .time = static_cast<double>(rays.time[lane])};
+  }
 };
 
 /// A light's points for sixteen surfaces, and its radiance there (or strength).
@@ -77,11 +87,15 @@ class RayWaves::Batch {
   void meet(Wave& wave);
   void classify(const Wave& wave, Lit& lit);
   void hand_over(const Wave& wave, int lane);
-  void shine(Lit& lit) const;
+  void shine(const Wave& wave, Lit& lit) const;
+  [[nodiscard]] static SurfacePoint surface_of(const Wave& wave, const Lit& lit, int lane);
+  [[nodiscard]] float second_colour(const Wave& wave, const Lit& lit, int lane) const;
+  [[nodiscard]] RayDifferential turned(const Wave& wave, const Lit& lit, int lane, const BounceLanes& bounce,
+                                       bool refracted) const;
   void light(const Wave& wave, Lit& lit);
   void draw_points(const PacketLight& light, int number, const Wave& wave, const Lit& lit, LightPoints& points) const;
   void go_on(const Wave& wave, const Lit& lit);
-  void follow(const Wave& wave, int lane, const BounceLanes& bounce, const Rgb& share, bool refracted);
+  void follow(const Wave& wave, const Lit& lit, int lane, const BounceLanes& bounce, const Rgb& share, bool refracted);
   Wave& open_wave();
   [[nodiscard]] PixelSampler sampler(const Wave& wave, int lane) const;
 
@@ -151,6 +165,9 @@ void RayWaves::Batch::start(const PixelBlock& block) {
       wave.node[i] = root;
       wave.weight.set(i, Rgb(1));
     }
+    for (int lane = 0; owner_.filters() && lane < wave.used; ++lane) {
+      wave.differential[static_cast<std::size_t>(lane)] = owner_.camera_.rays().differential(wave.ray(lane));
+    }
   }
 }
 
@@ -185,7 +202,7 @@ void RayWaves::Batch::meet(Wave& wave) {
   owner_.tracer_.nearest(wave.rays, lit.hits, depth_ == 0);
   owner_.surfaces_.fetch(lit.hits, wave.used);
   classify(wave, lit);
-  shine(lit);
+  shine(wave, lit);
   if (lit.any_lit) light(wave, lit);
   for (int lane = 0; lane < wave.used; ++lane) {
     const auto i = static_cast<std::size_t>(lane);
@@ -230,16 +247,57 @@ void RayWaves::Batch::classify(const Wave& wave, Lit& lit) {
 }
 
 void RayWaves::Batch::hand_over(const Wave& wave, int lane) {
-  const RayPacket& r = wave.rays;
-  const Ray ray{.origin = {r.origin_x[lane], r.origin_y[lane], r.origin_z[lane]},
-                .direction = normalize(Vec3d(r.direction_x[lane], r.direction_y[lane], r.direction_z[lane]))};
-  const Rgb weight = wave.weight.get(static_cast<std::size_t>(lane));
+  const auto i = static_cast<std::size_t>(lane);
+  const Rgb weight = wave.weight.get(i);
+  const auto differential = owner_.filters() ? std::optional(wave.differential[i]) : std::nullopt;
   PixelSampler random = sampler(wave, lane);
-  samples_[wave.sample[lane]].radiance += weight * others_.trace(ray, weight, depth_, random, rays_);
+  samples_[wave.sample[lane]].radiance +=
+      weight * others_.trace(wave.ray(lane), weight, depth_, differential, random, rays_);
+}
+
+// What the scalar functions of differentials need to know of a lane's surface.
+SurfacePoint RayWaves::Batch::surface_of(const Wave& wave, const Lit& lit, int lane) {
+  const auto i = static_cast<std::size_t>(lane);
+  const auto vector = [&](const VectorLanes& v) { return Vec3d(v.x[i], v.y[i], v.z[i]); };
+  const double side = lit.points.front[i] != 0 ? 1 : -1;
+  SurfacePoint point;
+  point.position = vector(lit.points.position);
+  point.geometric_normal = side * vector(lit.points.geometric);
+  point.shading_normal = side * vector(lit.points.normal);
+  point.object = lit.hits.object[lane];
+  point.primitive = lit.hits.primitive[lane];
+  point.time = static_cast<double>(wave.rays.time[lane]);
+  return point;
+}
+
+// The share of a chequer's second colour.
+float RayWaves::Batch::second_colour(const Wave& wave, const Lit& lit, int lane) const {
+  const auto i = static_cast<std::size_t>(lane);
+  const PacketMaterial& m = *lit.material[i];
+  if (!owner_.filters()) return m.on_second_colour(lit.points, i) ? 1.0F : 0.0F;
+  const SurfacePoint point = surface_of(wave, lit, lane);
+  const Footprint footprint = footprint_of(wave.ray(lane), wave.differential[i], point);
+  return second_colour_share(point, static_cast<double>(m.checker_size), footprint);
+}
+
+// The differential of a ray that goes on.
+RayDifferential RayWaves::Batch::turned(const Wave& wave, const Lit& lit, int lane, const BounceLanes& bounce,
+                                        bool refracted) const {
+  const auto i = static_cast<std::size_t>(lane);
+  const Ray ray = wave.ray(lane);
+  const RayDifferential& before = wave.differential[i];
+  const SurfacePoint point = surface_of(wave, lit, lane);
+  const Footprint footprint = footprint_of(ray, before, point);
+  const Vec3d& normal = point.shading_normal;
+  if (!refracted) return reflected(owner_.tracer_, ray, before, footprint, point, normal);
+  const Vec3d direction(bounce.direction.x[i], bounce.direction.y[i], bounce.direction.z[i]);
+  const auto ior = static_cast<double>(lit.material[i]->ior);
+  const double eta = lit.points.front[i] != 0 ? 1 / ior : ior;
+  return penumbra::refracted(owner_.tracer_, ray, before, footprint, point, normal, direction, eta);
 }
 
 // Emission, ambient light and what shadow rays may bring to each surface.
-void RayWaves::Batch::shine(Lit& lit) const {
+void RayWaves::Batch::shine(const Wave& wave, Lit& lit) const {
   const Rgb ambient = owner_.lights_.ambient();
   for (std::size_t i = 0; i < lanes; ++i) {
     lit.lit[i] = 0;
@@ -250,7 +308,10 @@ void RayWaves::Batch::shine(Lit& lit) const {
     if (m.kind == PacketMaterial::Kind::glass) {
       lit.any_glass = true;
     } else {
-      const Rgb reflectance = m.reflectance_at(lit.points, i);
+      Rgb reflectance = m.reflectance[0];
+      if (m.checker_size > 0) {
+        reflectance = glm::mix(reflectance, m.reflectance[1], second_colour(wave, lit, static_cast<int>(i)));
+      }
       radiance += ambient * reflectance;
       lit.reflectance.set(i, reflectance * std::numbers::inv_pi_v<float>);
       lit.lit[i] = is_black(reflectance) ? 0 : -1;
@@ -265,6 +326,7 @@ void RayWaves::Batch::shine(Lit& lit) const {
 void RayWaves::Batch::light(const Wave& wave, Lit& lit) {
   LightPoints drawn;
   std::array<Rgb, lanes> passed;
+  std::copy(std::begin(wave.rays.time), std::end(wave.rays.time), std::begin(lit.shadow.time));
   for (std::size_t number = 0; number < owner_.packet_lights_.size(); ++number) {
     const PacketLight& one = owner_.packet_lights_[number];
     const bool is_fixed = one.kind != PacketLight::Kind::area || one.at_middle;
@@ -321,15 +383,16 @@ void RayWaves::Batch::go_on(const Wave& wave, const Lit& lit) {
     if (lit.material[i] == nullptr) continue;
     const PacketMaterial& m = *lit.material[i];
     if (m.kind == PacketMaterial::Kind::matt) {
-      if (!is_black(m.mirror)) follow(wave, lane, mirrored, m.mirror, false);
+      if (!is_black(m.mirror)) follow(wave, lit, lane, mirrored, m.mirror, false);
       continue;
     }
-    follow(wave, lane, reflected, Rgb(1), false);
-    follow(wave, lane, refracted, m.tint, true);
+    follow(wave, lit, lane, reflected, Rgb(1), false);
+    follow(wave, lit, lane, refracted, m.tint, true);
   }
 }
 
-void RayWaves::Batch::follow(const Wave& wave, int lane, const BounceLanes& bounce, const Rgb& share, bool refracted) {
+void RayWaves::Batch::follow(const Wave& wave, const Lit& lit, int lane, const BounceLanes& bounce, const Rgb& share,
+                             bool refracted) {
   const auto i = static_cast<std::size_t>(lane);
   if (!(bounce.chance[i] > 0)) return;
   const Rgb weight = wave.weight.get(i) * share * bounce.chance[i];
@@ -345,7 +408,9 @@ void RayWaves::Batch::follow(const Wave& wave, int lane, const BounceLanes& boun
   to.rays.direction_z[k] = bounce.direction.z[i];
   to.rays.t_min[k] = 0;
   to.rays.t_max[k] = std::numeric_limits<float>::infinity();
+  to.rays.time[k] = wave.rays.time[i];
   to.rays.active[k] = -1;
+  if (owner_.filters()) to.differential[k] = turned(wave, lit, lane, bounce, refracted);
   to.weight.set(k, weight);
   to.sample[k] = wave.sample[lane];
   to.node[k] = 2 * wave.node[lane] + (refracted ? 1 : 0);

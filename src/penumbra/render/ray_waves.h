@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "penumbra/render/camera_packets.h"
@@ -8,6 +9,7 @@
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/light_points.h"
 #include "penumbra/render/packet_surfaces.h"
+#include "penumbra/tracing/shading/filtered_textures.h"
 
 namespace penumbra {
 
@@ -20,10 +22,11 @@ namespace penumbra {
 class RayWaves {
  public:
   struct Options {
-    int max_depth = 0;          ///< 0: only camera rays and their shadow rays
-    float min_throughput = 0;   ///< rays that carry less are not followed
-    bool at_middles = false;    ///< lights are met at their middle
-    bool through_glass = true;  ///< see Shadow
+    int max_depth = 0;                           ///< 0: only camera rays and their shadow rays
+    float min_throughput = 0;                    ///< rays that carry less are not followed
+    bool at_middles = false;                     ///< lights are met at their middle
+    bool through_glass = true;                   ///< see Shadow
+    const FilteredTextures* textures = nullptr;  ///< whose chequers are averaged; must outlive the waves
     std::uint64_t seed = 0;
   };
 
@@ -32,8 +35,9 @@ class RayWaves {
    public:
     virtual ~Others() = default;
     /// Radiance that comes back along a ray of this weight and depth, with all that follows from it. The ray itself is
-    /// counted already.
-    virtual Rgb trace(const Ray& ray, const Rgb& weight, int depth, PixelSampler& sampler, RayCounts& rays) const = 0;
+    /// counted already. @param differential of the ray, where there is anything to filter.
+    virtual Rgb trace(const Ray& ray, const Rgb& weight, int depth, const std::optional<RayDifferential>& differential,
+                      PixelSampler& sampler, RayCounts& rays) const = 0;
   };
 
   /// None when the camera or the lights are not for packets; layers of the film are not either. All but `options` must
@@ -47,6 +51,7 @@ class RayWaves {
   void render(std::span<const PixelBlock> blocks, const Others& others, Film& film, RayCounts& rays) const;
 
  private:
+  [[nodiscard]] bool filters() const { return options_.textures != nullptr && options_.textures->any(); }
   struct Wave;
   struct LightPoints;
   struct Lit;

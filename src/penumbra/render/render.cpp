@@ -245,12 +245,20 @@ RenderResult draw(const Integrator& integrator, const RenderOptions& options, co
 RenderResult render(const RayTracer& tracer, const Camera& camera, const RenderOptions& options,
                     const Progress& progress) {
   check(options);
+  const bool moves = tracer.has_motion() || !camera.motion.empty();
+  if (moves && options.integrator == IntegratorKind::light) {
+    throw std::invalid_argument("light from the lamps is traced through things at rest, and some move");
+  }
+  if (tracer.has_motion() && options.exact_shadows) {
+    throw std::invalid_argument("exact shadows are those of things at rest, and some move while the shutter is open");
+  }
   if (options.integrator == IntegratorKind::light) {
     refuse_media(tracer, "light");
     return trace_light(tracer, camera, options, progress);
   }
   const auto began = Clock::now();
-  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel);
+  const CameraRays rays(camera, options.width, options.height, options.filter, options.samples_per_pixel,
+                        tracer.has_motion());
   return draw(*make_integrator(tracer, rays, options), options, progress, began);
 }
 

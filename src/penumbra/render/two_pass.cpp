@@ -33,7 +33,8 @@ class TwoPass final : public RayIntegrator {
  public:
   TwoPass(const RayTracer& tracer, const DiffuseLight& light, const CameraRays& camera, const RenderOptions& options)
       : RayIntegrator(camera, options.seed),
-        tree_(tracer, options.front_sides_only),
+        textures_(tracer),
+        tree_(tracer, options.front_sides_only, &textures_),
         light_(light),
         gloss_light_(tracer, false, false),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
@@ -48,6 +49,7 @@ class TwoPass final : public RayIntegrator {
  private:
   class Eye;
 
+  FilteredTextures textures_;
   SpecularTree tree_;
   const DiffuseLight& light_;
   DirectLight gloss_light_;
@@ -167,7 +169,7 @@ PixelEstimate TwoPass::estimate(const Ray& ray, PixelSampler& sampler, RayCounts
   PixelEstimate seen;
   count(rays, RayPurpose::primary, 0);
   Eye eye(*this, sampler, rays, &seen);
-  seen.radiance = tree_.trace(ray, {.start = ray.origin}, eye);
+  seen.radiance = tree_.trace(ray, {.start = ray.origin, .differential = camera().differential(ray)}, eye);
   return seen;
 }
 

@@ -21,7 +21,8 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
   Whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
       : RayIntegrator(camera, options.seed),
         camera_(camera),
-        tree_(tracer, options.front_sides_only),
+        textures_(tracer),
+        tree_(tracer, options.front_sides_only, &textures_),
         direct_(tracer, options),
         airlight_(direct_.lights(), direct_.shadow()),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
@@ -33,6 +34,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
                              .min_throughput = min_throughput_,
                              .at_middles = options.samples_per_pixel == 1,
                              .through_glass = !options.opaque_shadows,
+                             .textures = &textures_,
                              .seed = options.seed});
   }
 
@@ -48,7 +50,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     PixelEstimate seen;
     count(rays, RayPurpose::primary, 0);
     Eye eye(*this, sampler, rays, seen);
-    seen.radiance = tree_.trace(ray, {.start = ray.origin}, eye);
+    seen.radiance = tree_.trace(ray, {.start = ray.origin, .differential = camera().differential(ray)}, eye);
     return seen;
   }
 
@@ -104,13 +106,15 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     Rgb airlight_{0};  ///< along the camera ray
   };
 
-  Rgb trace(const Ray& ray, const Rgb& weight, int depth, PixelSampler& sampler, RayCounts& rays) const override {
+  Rgb trace(const Ray& ray, const Rgb& weight, int depth, const std::optional<RayDifferential>& differential,
+            PixelSampler& sampler, RayCounts& rays) const override {
     PixelEstimate unseen;
     Eye eye(*this, sampler, rays, unseen);
-    return tree_.trace(ray, {.weight = weight, .depth = depth, .start = ray.origin}, eye);
+    return tree_.trace(ray, {.weight = weight, .depth = depth, .start = ray.origin, .differential = differential}, eye);
   }
 
   CameraRays camera_;
+  FilteredTextures textures_;
   SpecularTree tree_;
   DirectLight direct_;
   Airlight airlight_;

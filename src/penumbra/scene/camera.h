@@ -6,6 +6,7 @@
 
 #include "penumbra/math/ray.h"
 #include "penumbra/math/transform.h"
+#include "penumbra/scene/motion.h"
 #include "penumbra/scene/thin_lens.h"
 
 namespace penumbra {
@@ -34,6 +35,8 @@ struct Camera {
   Mat4d to_world{1.0};  ///< rigid; scale is ignored
   std::variant<PerspectiveLens, OrthographicLens, PanoramicLens, FisheyeLens> lens = PerspectiveLens{};
   std::optional<ThinLens> thin_lens = std::nullopt;  ///< of a perspective camera; none: a pinhole, all is sharp
+  Motion motion{};       ///< where it is while the shutter is open; empty: it rests at `to_world`
+  std::string extras{};  ///< as Instance::extras
 
   /// The ray through picture coordinates (x, y): x in 0..1 from left to right, y in 0..1 from top to bottom; through
   /// the middle of a thin lens. Outside a fisheye's circle its direction is 0.

@@ -51,6 +51,7 @@ struct AmbientLight {
 struct Light {
   std::string name;
   std::variant<PointLight, SpotLight, DirectionalLight, AmbientLight> kind;
+  std::string extras{};  ///< as Instance::extras
 };
 
 /// Light from everywhere outside: a colour, times a latitude-longitude picture if there is one.

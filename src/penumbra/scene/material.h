@@ -71,6 +71,8 @@ struct Material {
   std::optional<Rgb> checker_colour;
   float checker_size = 1;
 
+  std::string extras{};  ///< as Instance::extras
+
   [[nodiscard]] bool emits() const { return !is_black(emission); }
 };
 

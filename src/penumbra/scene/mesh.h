@@ -35,7 +35,8 @@ struct Mesh {
   std::vector<std::uint32_t> face_vertices;
   std::vector<std::uint32_t> face_of_triangle;
   std::vector<std::uint32_t>
-      face_lines;  ///< line of the file on which each face stands, from 1; empty in binary formats
+      face_lines;        ///< line of the file on which each face stands, from 1; empty in binary formats
+  std::string extras{};  ///< as Instance::extras
 
   [[nodiscard]] std::uint32_t material_of(std::size_t triangle) const {
     return materials.size() == 1 ? materials[0] : materials[triangle];

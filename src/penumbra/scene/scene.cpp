@@ -230,8 +230,16 @@ struct LightCheck {
   }
 };
 
+void validate_motion(const Motion& motion, const Subject& subject) {
+  subject.require(motion.empty() || (motion.size() >= 2 && motion.size() <= most_motion_steps),
+                  fmt::format("its motion has {} steps instead of 2 to {}", motion.size(), most_motion_steps));
+  subject.require(std::all_of(motion.begin(), motion.end(), [](const Mat4d& m) { return finite(m); }),
+                  "its motion is not finite");
+}
+
 void validate_camera(const Camera& camera, const Subject& subject) {
   subject.require(finite(camera.to_world), "its placement is not finite");
+  validate_motion(camera.motion, subject);
   if (const auto* lens = std::get_if<PerspectiveLens>(&camera.lens)) {
     subject.require(lens->vertical_fov > 0 && lens->vertical_fov < 3.141592653589794,
                     "its field of view is not between 0 and 180 degrees");
@@ -292,6 +300,7 @@ void validate(const Scene& scene) {
     subject.require(instance.mesh < scene.meshes.size(),
                     fmt::format("names mesh {}, but the scene has {}", instance.mesh, scene.meshes.size()));
     subject.require(finite(instance.to_world), "its placement is not finite");
+    validate_motion(instance.motion, subject);
   }
   for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
     const ShapeObject& object = scene.shapes[i];

@@ -11,6 +11,7 @@
 #include "penumbra/scene/material.h"
 #include "penumbra/scene/medium.h"
 #include "penumbra/scene/mesh.h"
+#include "penumbra/scene/motion.h"
 #include "penumbra/scene/shape.h"
 #include "penumbra/scene/texture.h"
 
@@ -21,6 +22,8 @@ struct Instance {
   std::string name;
   std::uint32_t mesh = 0;  ///< index into Scene::meshes
   Mat4d to_world{1.0};     ///< affine; when it mirrors, the front of each triangle stays the front
+  Motion motion{};         ///< where it is while the shutter is open; empty: it rests at `to_world`
+  std::string extras{};    ///< what the file says besides, as JSON: glTF's extras of its node; empty: nothing
 };
 
 /// An exact primitive with its material.
@@ -48,6 +51,7 @@ struct Scene {
   /// with a medium) their own medium stands instead. At most `most_media_in_air`; where several are, they add up.
   std::vector<std::uint32_t> air;
   std::vector<Camera> cameras;
+  std::string extras{};  ///< as Instance::extras, of the file's scene
 
   [[nodiscard]] std::size_t object_count() const { return instances.size() + shapes.size(); }
   [[nodiscard]] const std::string& object_name(std::size_t object) const {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "penumbra/scene/texel_address.h"
+
 namespace penumbra {
 namespace {
 
@@ -24,6 +26,8 @@ Vec4f spread_channels(const std::array<float, 4>& c, int channels) {
   if (channels <= 2) return {c[0], c[0], c[0], channels == 2 ? c[1] : 1.0F};
   return {c[0], c[1], c[2], channels == 4 ? c[3] : 1.0F};
 }
+
+}  // namespace
 
 Vec4f texel(const TextureImage& image, int x, int y, TexelEncoding encoding) {
   const int channels = std::min(image.channels, 4);
@@ -47,30 +51,7 @@ bool has_texels(const TextureImage& image) {
   return std::visit([&](const auto& texels) { return texels.size() >= needed; }, image.texels);
 }
 
-/// A coordinate brought into [0, 1] by its wrap mode; double keeps the sixteen bits of a texel that lies far out.
-double wrapped(float coordinate, Wrap wrap) {
-  if (!std::isfinite(coordinate)) return 0;
-  const double x = coordinate;
-  if (wrap == Wrap::clamp) return std::clamp(x, 0.0, 1.0);
-  if (wrap == Wrap::repeat) return x - std::floor(x);
-  const double folded = x - 2 * std::floor(x / 2);
-  return folded > 1 ? 2 - folded : folded;
-}
-
-/// The two texels of an axis around a wrapped coordinate, and the share of the second.
-struct Neighbours {
-  int first;
-  int second;
-  float share;
-};
-
-Neighbours neighbours(double coordinate, int size, Wrap wrap) {
-  const double position = coordinate * size - 0.5;  // texel centres lie at half integers
-  const double lower = std::floor(position);
-  const int first = static_cast<int>(lower);
-  const auto inside = [&](int i) { return wrap == Wrap::repeat ? (i + size) % size : std::clamp(i, 0, size - 1); };
-  return {inside(first), inside(first + 1), static_cast<float>(position - lower)};
-}
+namespace {
 
 int nearest(double coordinate, int size) { return std::clamp(static_cast<int>(coordinate * size), 0, size - 1); }
 
@@ -84,12 +65,12 @@ float srgb_to_linear(float encoded) {
 
 Vec4f texture_value(const Texture& texture, const TextureImage& image, const Vec2f& uv, TexelEncoding encoding) {
   if (!has_texels(image)) return Vec4f(1.0F);
-  const double u = wrapped(uv.x, texture.wrap_u);
-  const double v = wrapped(uv.y, texture.wrap_v);
+  const double u = wrapped(static_cast<double>(uv.x), texture.wrap_u);
+  const double v = wrapped(static_cast<double>(uv.y), texture.wrap_v);
   if (texture.filter == TexelFilter::nearest)
     return texel(image, nearest(u, image.width), nearest(v, image.height), encoding);
-  const Neighbours x = neighbours(u, image.width, texture.wrap_u);
-  const Neighbours y = neighbours(v, image.height, texture.wrap_v);
+  const TexelPair x = texels_around(u, image.width, texture.wrap_u);
+  const TexelPair y = texels_around(v, image.height, texture.wrap_v);
   const auto row = [&](int j) {
     return between(texel(image, x.first, j, encoding), texel(image, x.second, j, encoding), x.share);
   };

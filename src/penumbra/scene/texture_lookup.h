@@ -17,6 +17,12 @@ enum class TexelEncoding { linear, srgb };
 [[nodiscard]] Vec4f texture_value(const Scene& scene, const TextureRef& ref, const Vec2f (&uv)[2],
                                   TexelEncoding encoding);
 
+/// One texel, decoded, as red, green, blue and alpha. @pre the image has texels, and (x, y) lies in it.
+[[nodiscard]] Vec4f texel(const TextureImage& image, int x, int y, TexelEncoding encoding);
+
+/// Whether there are as many values as its sizes say, and any.
+[[nodiscard]] bool has_texels(const TextureImage& image);
+
 /// The mean of all texels, decoded first; white where the image has none.
 [[nodiscard]] Vec4f mean_texel(const TextureImage& image, TexelEncoding encoding);
 

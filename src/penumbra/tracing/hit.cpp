@@ -14,7 +14,8 @@ double clearance(const Vec3d& normal, const Vec3d& error) { return dot(glm::abs(
 Ray leave(const SurfacePoint& from, const Vec3d& direction) {
   const double side = dot(direction, from.geometric_normal) < 0 ? -1.0 : 1.0;
   return {.origin = from.position + side * clearance(from.geometric_normal, from.error) * from.geometric_normal,
-          .direction = direction};
+          .direction = direction,
+          .time = from.time};
 }
 
 Ray segment(const SurfacePoint& from, const Vec3d& target) {

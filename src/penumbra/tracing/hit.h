@@ -43,6 +43,13 @@ struct SurfacePoint {
   std::uint32_t object = 0;
   std::uint32_t primitive = 0;
   std::uint32_t material = 0;
+  double time = 0;  ///< of the ray that met it, as Ray::time; rays that leave from here take it along
+};
+
+/// How a surface changes along a small step over it.
+struct SurfaceChange {
+  Vec2d uv[2]{Vec2d(0), Vec2d(0)};
+  Vec3d normal{0};  ///< of the unit shading normal, before normal maps
 };
 
 /// A ray that leaves a surface without meeting it again: the origin is moved out of the point's error box to the side

@@ -79,6 +79,37 @@ SurfacePoint PlacedMesh::point(std::uint32_t triangle, const Vec2d& barycentric)
   return p;
 }
 
+// Barycentric weights are linear over the triangle, and with them all but the length of the interpolated normal
+// (Igehy 1999, section 3.2.1).
+SurfaceChange PlacedMesh::change(std::uint32_t triangle, const Vec3d& position, const Vec3d& step) const {
+  SurfaceChange change;
+  const Mesh::Triangle& corner = mesh_->triangles[triangle];
+  const Vec3d v0 = transform_point(to_world_, mesh_->positions[corner[0]]);
+  const Vec3d e1 = transform_point(to_world_, mesh_->positions[corner[1]]) - v0;
+  const Vec3d e2 = transform_point(to_world_, mesh_->positions[corner[2]]) - v0;
+  const Vec3d ng = cross(e1, e2);
+  const double area2 = length_squared(ng);
+  if (!(area2 > 0)) return change;
+  const auto weights = [&](const Vec3d& v) { return Vec2d(dot(cross(v, e2), ng), dot(cross(e1, v), ng)) / area2; };
+  const Vec2d by = weights(step);
+  for (int set = 0; set < 2; ++set) {
+    const auto& uv = mesh_->uv[set];
+    if (uv.empty()) continue;
+    change.uv[set] = by.x * Vec2d(uv[corner[1]] - uv[corner[0]]) + by.y * Vec2d(uv[corner[2]] - uv[corner[0]]);
+  }
+  if (mesh_->normals.empty()) return change;
+  const Vec3d n0(mesh_->normals[corner[0]]), n1(mesh_->normals[corner[1]]), n2(mesh_->normals[corner[2]]);
+  const Vec2d b = weights(position - v0);
+  const Vec3d n = normal_matrix_ * ((1 - b.x - b.y) * n0 + b.x * n1 + b.y * n2);
+  const double size = length(n);
+  if (!(size > 0) || !std::isfinite(size)) return change;
+  const Vec3d moved = normal_matrix_ * (by.x * (n1 - n0) + by.y * (n2 - n0));
+  const Vec3d unit = n / size;
+  const double side = dot(unit, (mirrors_ ? -1.0 : 1.0) * ng) < 0 ? -1.0 : 1.0;
+  change.normal = side / size * (moved - dot(moved, unit) * unit);
+  return change;
+}
+
 // The tangent runs along u; the bitangent along -v, as normal-map +Y is up in texture space.
 void PlacedMesh::add_tangents(const Mesh::Triangle& triangle, const Vec3d& e1, const Vec3d& e2, const Vec2d& b,
                               SurfacePoint& p) const {

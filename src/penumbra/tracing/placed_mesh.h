@@ -17,6 +17,10 @@ class PlacedMesh {
   /// The surface at weights `barycentric` of vertices 1 and 2; all but `object` and `primitive` is filled in.
   [[nodiscard]] SurfacePoint point(std::uint32_t triangle, const Vec2d& barycentric) const;
 
+  /// How texture coordinates and the interpolated normal change along a small step over a triangle.
+  /// @param position on the triangle, m, world. @param step m, in the triangle's plane.
+  [[nodiscard]] SurfaceChange change(std::uint32_t triangle, const Vec3d& position, const Vec3d& step) const;
+
   /// Takes a normal of the mesh's own space, by the order of corners, to the world's front; not unit.
   [[nodiscard]] Vec3d front_normal(const Vec3d& local) const { return normal_matrix_ * local; }
 

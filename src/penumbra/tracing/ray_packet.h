@@ -11,6 +11,7 @@ struct alignas(64) RayPacket {
   float t_min[size];
   float direction_x[size], direction_y[size], direction_z[size];
   float t_max[size];
+  float time[size] = {};      ///< as Ray::time
   std::int32_t active[size];  ///< -1 to trace this lane, 0 to skip it
 };
 

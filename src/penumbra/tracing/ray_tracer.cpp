@@ -61,7 +61,8 @@ Ray lane_ray(RTCRayN* rays, unsigned n, unsigned i) {
   return {.origin = {RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)},
           .direction = {RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)},
           .t_min = RTCRayN_tnear(rays, n, i),
-          .t_max = RTCRayN_tfar(rays, n, i)};
+          .t_max = RTCRayN_tfar(rays, n, i),
+          .time = RTCRayN_time(rays, n, i)};
 }
 
 std::optional<double> intersect_shape(const Shape& shape, const Ray& ray) {
@@ -136,6 +137,7 @@ struct RayTracer::Impl {
   Bounds bounds;
   bool native_packets = false;
   bool any_turned = false;
+  bool any_motion = false;
   // Embree 3.13.5's coherent traversal of packets never ends in some hierarchies that hold both instances and user
   // geometry (rtcOccluded16; tests/tracing: RayPackets), so only plain triangles get it.
   bool only_triangles = true;
@@ -169,6 +171,7 @@ struct RayTracer::Impl {
   void attach_triangles(RTCScene target, const Mesh& mesh, const Mat4d& to_space, std::uint32_t object);
   void attach_instances();
   [[nodiscard]] std::vector<std::size_t> list_shapes();
+  void attach_instance(RTCScene of_mesh, const Instance& instance, std::uint32_t object);
   void attach_shapes(std::span<const std::size_t> numbers);
   void add_entry(unsigned geometry, std::uint32_t object, bool turned) {
     if (entries.size() <= geometry) entries.resize(geometry + 1);
@@ -184,7 +187,13 @@ struct RayTracer::Impl {
   }
   void nearest(const RayPacket& rays, HitPacket& hits, bool coherent) const;
   void nearest_below(const RayPacket& rays, HitPacket& hits, bool coherent) const;
-  void turn_normals(RTCHitN* found, HitPacket& hits) const;
+  void turn_normals(RTCHitN* found, const RayPacket& rays, HitPacket& hits) const;
+  /// The mesh of an instance where it is at a time.
+  [[nodiscard]] PlacedMesh placed_at(std::uint32_t object, double time) const {
+    const Instance& instance = scene->instances[object];
+    return {scene->meshes[instance.mesh], placement_at(instance.motion, time), true};
+  }
+  [[nodiscard]] bool moves(std::uint32_t object) const { return !scene->instances[object].motion.empty(); }
   [[nodiscard]] std::uint32_t object_of(unsigned geometry, unsigned instance) const {
     return entries[instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry].object;
   }
@@ -215,7 +224,7 @@ void RayTracer::Impl::attach_triangles(RTCScene target, const Mesh& mesh, const 
   rtcReleaseGeometry(geometry);
 }
 
-// A mesh with one instance goes into the world's own hierarchy, which traces faster; one with more is built once.
+// A mesh with one instance at rest goes into the world's own hierarchy, which traces faster; another is built once.
 void RayTracer::Impl::attach_instances() {
   std::vector<std::uint32_t> uses(scene->meshes.size(), 0);
   for (const Instance& i : scene->instances) ++uses[i.mesh];
@@ -223,10 +232,14 @@ void RayTracer::Impl::attach_instances() {
   for (std::uint32_t object = 0; object < scene->instances.size(); ++object) {
     const Instance& instance = scene->instances[object];
     const Mesh& mesh = scene->meshes[instance.mesh];
-    placed.emplace_back(mesh, instance.to_world, uses[instance.mesh] > 1);
+    const bool moving = moves(object);
+    placed.emplace_back(mesh, instance.to_world, uses[instance.mesh] > 1 || moving);
     if (mesh.triangles.empty()) continue;
-    for (const Vec3d& p : mesh.positions) bounds.grow(transform_point(instance.to_world, p));
-    if (uses[instance.mesh] == 1) {
+    any_motion = any_motion || moving;
+    for (const Mat4d& to_world : moving ? instance.motion : Motion{instance.to_world}) {
+      for (const Vec3d& p : mesh.positions) bounds.grow(transform_point(to_world, p));
+    }
+    if (uses[instance.mesh] == 1 && !moving) {
       attach_triangles(world.get(), mesh, instance.to_world, object);
       continue;
     }
@@ -237,14 +250,23 @@ void RayTracer::Impl::attach_instances() {
       attach_triangles(own.get(), mesh, Mat4d(1.0), object);
       rtcCommitScene(own.get());
     }
-    RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, own.get());
-    const glm::mat4 m(instance.to_world);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
-    rtcCommitGeometry(geometry);
-    add_entry(rtcAttachGeometry(world.get(), geometry), object, true);
-    rtcReleaseGeometry(geometry);
+    attach_instance(own.get(), instance, object);
   }
+}
+
+// The hierarchy's matrices change evenly from one step of time to the next, as `placement_at` has it.
+void RayTracer::Impl::attach_instance(RTCScene of_mesh, const Instance& instance, std::uint32_t object) {
+  RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, of_mesh);
+  const std::size_t steps = std::max<std::size_t>(1, instance.motion.size());
+  rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
+  for (std::size_t step = 0; step < steps; ++step) {
+    const glm::mat4 m(instance.motion.empty() ? instance.to_world : instance.motion[step]);
+    rtcSetGeometryTransform(geometry, static_cast<unsigned>(step), RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
+  }
+  rtcCommitGeometry(geometry);
+  add_entry(rtcAttachGeometry(world.get(), geometry), object, true);
+  rtcReleaseGeometry(geometry);
 }
 
 // Shapes that are few go into the list, the rest into the hierarchy. Returns the numbers of those.
@@ -317,6 +339,7 @@ RTCRay embree_ray(const Ray& ray) {
   r.dir_z = static_cast<float>(ray.direction.z);
   r.tnear = static_cast<float>(ray.t_min);
   r.tfar = static_cast<float>(ray.t_max);
+  r.time = static_cast<float>(ray.time);
   r.mask = 0xFFFFFFFFU;
   return r;
 }
@@ -364,7 +387,7 @@ void copy_rays(const RayPacket& rays, RTCRay16& out) {
   std::memcpy(out.dir_y, rays.direction_y, sizeof out.dir_y);
   std::memcpy(out.dir_z, rays.direction_z, sizeof out.dir_z);
   std::memcpy(out.tfar, rays.t_max, sizeof out.tfar);
-  std::fill(std::begin(out.time), std::end(out.time), 0.0F);
+  std::memcpy(out.time, rays.time, sizeof out.time);
   std::fill(std::begin(out.mask), std::end(out.mask), 0xFFFFFFFFU);
   std::fill(std::begin(out.id), std::end(out.id), 0U);
   std::fill(std::begin(out.flags), std::end(out.flags), 0U);
@@ -380,14 +403,17 @@ void put_to_sleep(const RayPacket& rays, RTCRay16& out) {
 }  // namespace
 
 // Embree knows normals in the space of the mesh it met, by the order of the corners.
-void RayTracer::Impl::turn_normals(RTCHitN* found, HitPacket& hits) const {
+void RayTracer::Impl::turn_normals(RTCHitN* found, const RayPacket& rays, HitPacket& hits) const {
   for (unsigned i = 0; i < RayPacket::size; ++i) {
     if (hits.object[i] == HitPacket::no_hit) continue;
     const unsigned instance = RTCHitN_instID(found, RayPacket::size, i, 0);
     const bool in_instance = instance != RTC_INVALID_GEOMETRY_ID;
     if (!entries[in_instance ? instance : RTCHitN_geomID(found, RayPacket::size, i)].turned) continue;
     const Vec3d n(hits.normal_x[i], hits.normal_y[i], hits.normal_z[i]);
-    const Vec3f front(in_instance ? placed[hits.object[i]].front_normal(n) : -n);
+    const std::uint32_t object = hits.object[i];
+    const Vec3f front(!in_instance    ? -n
+                      : moves(object) ? placed_at(object, static_cast<double>(rays.time[i])).front_normal(n)
+                                      : placed[object].front_normal(n));
     hits.normal_x[i] = front.x;
     hits.normal_y[i] = front.y;
     hits.normal_z[i] = front.z;
@@ -423,7 +449,7 @@ void RayTracer::Impl::nearest(const RayPacket& rays, HitPacket& hits, bool coher
     const bool hit = rays.active[i] != 0 && query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     hits.object[i] = hit ? object_of(query.hit.geomID[i], query.hit.instID[0][i]) : HitPacket::no_hit;
   }
-  if (any_turned) turn_normals(reinterpret_cast<RTCHitN*>(&query.hit), hits);
+  if (any_turned) turn_normals(reinterpret_cast<RTCHitN*>(&query.hit), rays, hits);
 }
 
 // Takes what the hierarchy holds nearer than the hits so far.
@@ -477,12 +503,30 @@ SurfacePoint RayTracer::surface_point(const Ray& ray, const Hit& hit) const {
     p.material = object.material;
     const auto* ball = std::get_if<Sphere>(&object.shape);
     p.error = rounding_error(largest_component(p.position) + (ball ? ball->radius : 0.0));
+  } else if (impl_->moves(hit.object)) {
+    // The hierarchy has the time in single precision.
+    const auto time = static_cast<double>(static_cast<float>(ray.time));
+    p = impl_->placed_at(hit.object, time).point(hit.primitive, hit.barycentric);
   } else {
     p = impl_->placed[hit.object].point(hit.primitive, hit.barycentric);
   }
   p.object = hit.object;
   p.primitive = hit.primitive;
+  p.time = ray.time;
   return p;
 }
+
+SurfaceChange RayTracer::surface_change(const SurfacePoint& point, const Vec3d& step) const {
+  const Scene& scene = *impl_->scene;
+  if (point.object >= scene.instances.size()) {
+    return shape_change(scene.shapes[point.object - scene.instances.size()].shape, point.position, step);
+  }
+  if (impl_->moves(point.object)) {
+    return impl_->placed_at(point.object, point.time).change(point.primitive, point.position, step);
+  }
+  return impl_->placed[point.object].change(point.primitive, point.position, step);
+}
+
+bool RayTracer::has_motion() const { return impl_->any_motion; }
 
 }  // namespace penumbra

@@ -40,7 +40,14 @@ class RayTracer {
   /// Position, normals, texture coordinates and material at a hit of `ray`.
   [[nodiscard]] SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
 
-  /// World bounds of all that is finite.
+  /// How texture coordinates and normal change when `point` moves by `step` over its surface, to first order.
+  /// @param step m, tangent to the geometry.
+  [[nodiscard]] SurfaceChange surface_change(const SurfacePoint& point, const Vec3d& step) const;
+
+  /// Whether any object moves while the shutter is open: rays then see it by their time.
+  [[nodiscard]] bool has_motion() const;
+
+  /// World bounds of all that is finite, wherever it moves.
   [[nodiscard]] Bounds bounds() const;
   /// Triangles in the hierarchy, instances counted each time.
   [[nodiscard]] std::size_t triangle_count() const;

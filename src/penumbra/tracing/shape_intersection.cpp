@@ -1,5 +1,6 @@
 #include "penumbra/tracing/shape_intersection.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -129,6 +130,22 @@ Vec3d shape_normal(const Shape& shape, const Vec3d& near) {
   const Vec3d axis = cylinder.top - cylinder.base;
   const Vec3d offset = near - cylinder.base;
   return offset - dot(offset, axis) / dot(axis, axis) * axis;
+}
+
+SurfaceChange shape_change(const Shape& shape, const Vec3d& from, const Vec3d& step) {
+  // By a difference: flat shapes have none of second order, round ones are stepped over by a small part of their size.
+  double share = 1;
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) share = 1e-3 * sphere->radius;
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) share = 1e-3 * cylinder->radius;
+  const bool is_round = std::holds_alternative<Sphere>(shape) || std::holds_alternative<Cylinder>(shape);
+  const double size = length(step);
+  if (!(size > 0) || !std::isfinite(size)) return {};
+  if (is_round) share = std::min(1.0, share / size);
+  const Vec3d to = from + share * step;
+  Vec2d uv = Vec2d(shape_point(shape, to).uv) - Vec2d(shape_point(shape, from).uv);
+  if (is_round) uv.x -= std::round(uv.x);  // across the seam
+  const Vec3d normal = normalize(shape_normal(shape, to)) - normalize(shape_normal(shape, from));
+  return {.uv = {uv / share, uv / share}, .normal = normal / share};
 }
 
 Bounds shape_bounds(const Shape& shape, double horizon) {

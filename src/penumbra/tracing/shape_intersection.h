@@ -5,6 +5,7 @@
 #include "penumbra/math/bounds.h"
 #include "penumbra/math/ray.h"
 #include "penumbra/scene/shape.h"
+#include "penumbra/tracing/hit.h"
 
 namespace penumbra {
 
@@ -25,6 +26,9 @@ struct ShapePoint {
 /// @param with_uv whether texture coordinates are worked out, else those that need angles are 0 and tangents may lie
 /// any way.
 [[nodiscard]] ShapePoint shape_point(const Shape& shape, const Vec3d& near, bool with_uv = true);
+
+/// How texture coordinates and normal change along a small step over a shape. @param step m, tangent at `from`.
+[[nodiscard]] SurfaceChange shape_change(const Shape& shape, const Vec3d& from, const Vec3d& step);
 
 /// Its normal alone, towards the front, not unit: all that a packet's hit needs, and much cheaper.
 [[nodiscard]] Vec3d shape_normal(const Shape& shape, const Vec3d& near);

@@ -117,7 +117,8 @@ Ray lane_ray(const RayPacket& rays, int lane) {
   return {.origin = {rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
           .direction = {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]},
           .t_min = rays.t_min[lane],
-          .t_max = rays.t_max[lane]};
+          .t_max = rays.t_max[lane],
+          .time = static_cast<double>(rays.time[lane])};
 }
 
 }  // namespace

@@ -24,32 +24,48 @@ Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) 
   }
   if (front_sides_only_ && !front && scene.materials[point.material].transmission == 0) return scattered;
 
-  const SurfaceMaterial surface = surface_material(scene, point);
+  const auto& differential = branch.differential;
+  const bool filtered = textures_ != nullptr && differential;
+  const Footprint footprint = filtered ? footprint_of(ray, *differential, point) : Footprint{};
+  const auto view = filtered ? std::optional(FilteredTextures::View(*textures_, point, footprint)) : std::nullopt;
+  const SurfaceMaterial surface = surface_material(scene, point, view ? &*view : nullptr);
   const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
   Node node{ray, point, surface, bsdf, wo, front, passed, branch};
   node.branch.weight *= passed * surface.alpha;
   Rgb radiance = visitor.surface(node);
   const SpecularSplit split = bsdf.specular_split(wo, followed_roughness);
   if (!is_black(split.reflected)) {
-    radiance += follow(point, node.branch, split.reflection_direction, split.reflected, false, visitor);
+    radiance +=
+        follow(point, node.branch, split.reflection_direction, split.reflected, false, visitor,
+               filtered ? std::optional(reflected(tracer_, ray, *differential, footprint, point, bsdf.shading_normal()))
+                        : std::nullopt);
   }
   if (!is_black(split.refracted)) {
-    radiance += follow(point, node.branch, split.refraction_direction, split.refracted, true, visitor);
+    radiance +=
+        follow(point, node.branch, split.refraction_direction, split.refracted, true, visitor,
+               filtered ? std::optional(refracted(tracer_, ray, *differential, footprint, point, bsdf.shading_normal(),
+                                                  split.refraction_direction, relative_index(surface, front)))
+                        : std::nullopt);
   }
   radiance *= surface.alpha;
   if (surface.alpha < 1) {
     node.branch.weight = branch.weight * passed;
-    radiance += follow(point, node.branch, ray.direction, Rgb(1 - surface.alpha), true, visitor);
+    radiance += follow(point, node.branch, ray.direction, Rgb(1 - surface.alpha), true, visitor,
+                       filtered ? std::optional(passed_on(*differential, footprint)) : std::nullopt);
   }
   return scattered + passed * radiance;
 }
 
 Rgb SpecularTree::follow(const SurfacePoint& point, const Branch& from, const Vec3d& direction, const Rgb& weight,
-                         bool refracted, Visitor& visitor) const {
+                         bool refracted, Visitor& visitor, const std::optional<RayDifferential>& differential) const {
   const Rgb carried = from.weight * weight;
   const float times = visitor.followed(carried, from.depth);
   if (!(times > 0)) return Rgb(0);
-  Branch child{.weight = times * carried, .depth = from.depth + 1, .start = point.position, .interior = from.interior};
+  Branch child{.weight = times * carried,
+               .depth = from.depth + 1,
+               .start = point.position,
+               .interior = from.interior,
+               .differential = differential};
   child.interior.cross(tracer_.scene(), point, direction, refracted);
   visitor.count(refracted, child.depth);
   return times * weight * trace(leave(point, direction), child, visitor);

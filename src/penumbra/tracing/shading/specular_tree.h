@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "penumbra/math/ray.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/bsdf.h"
+#include "penumbra/tracing/shading/filtered_textures.h"
 #include "penumbra/tracing/shading/interior.h"
 #include "penumbra/tracing/shading/media.h"
 
@@ -22,6 +25,7 @@ class SpecularTree {
     int depth = 0;
     Vec3d start{0};  ///< the point that it leaves, m; the ray itself starts a rounding error beside it
     Interior interior{};
+    std::optional<RayDifferential> differential{};  ///< of the ray; none: textures are read at points
   };
   /// A surface met.
   struct Node {
@@ -57,16 +61,20 @@ class SpecularTree {
     virtual void count(bool refracted, int depth) = 0;
   };
 
-  /// @param front_sides_only backs of opaque surfaces are black. The tracer must outlive the tree.
-  SpecularTree(const RayTracer& tracer, bool front_sides_only)
-      : tracer_(tracer), media_(tracer.scene()), front_sides_only_(front_sides_only) {}
+  /// @param front_sides_only backs of opaque surfaces are black. @param textures averaged over what rays with
+  /// differentials cover; none: read at points. The tracer and the textures must outlive the tree.
+  SpecularTree(const RayTracer& tracer, bool front_sides_only, const FilteredTextures* textures = nullptr)
+      : tracer_(tracer),
+        media_(tracer.scene()),
+        front_sides_only_(front_sides_only),
+        textures_(textures != nullptr && textures->any() ? textures : nullptr) {}
 
   /// What comes back along a ray, W/(m^2 sr) if the visitor answers so.
   Rgb trace(const Ray& ray, const Branch& branch, Visitor& visitor) const;
   /// What a ray of the visitor's own choice brings to a node, times `weight`. @param direction unit.
-  /// @param refracted whether it goes through the surface.
+  /// @param refracted whether it goes through the surface. @param differential of that ray, if it is known.
   Rgb follow(const SurfacePoint& point, const Branch& from, const Vec3d& direction, const Rgb& weight, bool refracted,
-             Visitor& visitor) const;
+             Visitor& visitor, const std::optional<RayDifferential>& differential = std::nullopt) const;
 
   [[nodiscard]] const RayTracer& tracer() const { return tracer_; }
 
@@ -74,6 +82,7 @@ class SpecularTree {
   const RayTracer& tracer_;
   Media media_;
   bool front_sides_only_;
+  const FilteredTextures* textures_;
 };
 
 }  // namespace penumbra

@@ -4,34 +4,48 @@
 #include <cmath>
 
 #include "penumbra/scene/texture_lookup.h"
+#include "penumbra/tracing/shading/checker.h"
 
 namespace penumbra {
 namespace {
 
-/// The squares of a chequered floor lie in the plane of the two axes nearest to the surface's.
-bool on_second_colour(const SurfacePoint& point, double size) {
-  const Vec3d n = glm::abs(point.geometric_normal);
-  const int across = n.x > n.y && n.x > n.z ? 0 : (n.y >= n.z ? 1 : 2);
-  const double a = std::floor(point.position[(across + 1) % 3] / size);
-  const double b = std::floor(point.position[(across + 2) % 3] / size);
-  return std::fmod(std::abs(a + b), 2.0) == 1.0;
-}
+/// The textures of one point, read there or averaged around it.
+class TextureReader {
+ public:
+  TextureReader(const Scene& scene, const SurfacePoint& point, const FilteredTextures::View* filtered)
+      : scene_(scene), point_(point), filtered_(filtered) {}
+
+  [[nodiscard]] Vec4f operator()(const TextureRef& ref, TexelEncoding encoding) const {
+    return filtered_ != nullptr ? filtered_->value(ref, encoding) : texture_value(scene_, ref, point_.uv, encoding);
+  }
+  [[nodiscard]] float second_colour(double size) const {
+    return filtered_ != nullptr ? second_colour_share(point_, size, filtered_->footprint())
+                                : second_colour_share(point_, size);
+  }
+
+ private:
+  const Scene& scene_;
+  const SurfacePoint& point_;
+  const FilteredTextures::View* filtered_;
+};
 
 /// Base colour, 0..1, in rgb and opacity in w.
-Vec4f base_colour(const Scene& scene, const Material& material, const SurfacePoint& point) {
+Vec4f base_colour(const Material& material, const SurfacePoint& point, const TextureReader& read) {
   Rgb colour = material.base_colour;
-  if (material.checker_colour && on_second_colour(point, material.checker_size)) colour = *material.checker_colour;
+  if (material.checker_colour) {
+    colour = glm::mix(colour, *material.checker_colour, read.second_colour(static_cast<double>(material.checker_size)));
+  }
   Vec4f base = Vec4f(colour, material.alpha) * point.colour;
   if (material.base_colour_texture) {
-    base *= texture_value(scene, *material.base_colour_texture, point.uv, TexelEncoding::srgb);
+    base *= read(*material.base_colour_texture, TexelEncoding::srgb);
   }
   return glm::clamp(base, 0.0F, 1.0F);
 }
 
 /// The shading normal bent by the normal map; kept on the front of the geometry.
-Vec3d mapped_normal(const Scene& scene, const Material& material, const SurfacePoint& point) {
+Vec3d mapped_normal(const Material& material, const SurfacePoint& point, const TextureReader& read) {
   if (!material.normal_texture) return point.shading_normal;
-  const Vec4f texel = texture_value(scene, *material.normal_texture, point.uv, TexelEncoding::linear);
+  const Vec4f texel = read(*material.normal_texture, TexelEncoding::linear);
   const Vec3d bent =
       Vec3d(2.0F * Vec3f(texel) - Vec3f(1.0F)) * Vec3d(material.normal_scale, material.normal_scale, 1.0);
   const Vec3d world = bent.x * point.tangent + bent.y * point.bitangent + bent.z * point.shading_normal;
@@ -40,10 +54,7 @@ Vec3d mapped_normal(const Scene& scene, const Material& material, const SurfaceP
 }
 
 /// The roughness-metal, transmission and specular textures times their factors.
-void read_factors(const Scene& scene, const Material& material, const SurfacePoint& point, SurfaceMaterial& surface) {
-  const auto read = [&](const TextureRef& ref, TexelEncoding encoding) {
-    return texture_value(scene, ref, point.uv, encoding);
-  };
+void read_factors(const Material& material, const TextureReader& read, SurfaceMaterial& surface) {
   if (material.metallic_roughness_texture) {
     const Vec4f texel = read(*material.metallic_roughness_texture, TexelEncoding::linear);
     surface.roughness *= texel.y;
@@ -86,15 +97,17 @@ SurfaceMaterial surface_material(const Material& material) {
   return surface;
 }
 
-SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point) {
+SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point,
+                                 const FilteredTextures::View* filtered) {
   const Material& material = scene.materials[point.material];
-  const Vec4f base = base_colour(scene, material, point);
+  const TextureReader read(scene, point, filtered);
+  const Vec4f base = base_colour(material, point, read);
   SurfaceMaterial surface = surface_material(material);
   surface.base_colour = Rgb(base);
   surface.alpha = material.alpha_mode == AlphaMode::blend ? base.w : 1.0F;
-  read_factors(scene, material, point, surface);
+  read_factors(material, read, surface);
   if (material.unlit) make_unlit(surface);
-  surface.shading = Frame(mapped_normal(scene, material, point));
+  surface.shading = Frame(mapped_normal(material, point, read));
   return surface;
 }
 

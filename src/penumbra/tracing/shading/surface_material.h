@@ -7,6 +7,7 @@
 #include "penumbra/math/spectrum.h"
 #include "penumbra/scene/scene.h"
 #include "penumbra/tracing/hit.h"
+#include "penumbra/tracing/shading/filtered_textures.h"
 
 namespace penumbra {
 
@@ -29,8 +30,17 @@ struct SurfaceMaterial {
 
 /// The factors of a material without its textures; its shading frame is not set.
 [[nodiscard]] SurfaceMaterial surface_material(const Material& material);
-/// Reads the material and its textures at a point.
-[[nodiscard]] SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point);
+/// Reads the material and its textures at a point, or averages them over what a sample covers around it.
+/// @param filtered of the same point; none: textures are read at the point itself.
+[[nodiscard]] SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point,
+                                               const FilteredTextures::View* filtered = nullptr);
+
+/// Index of refraction on the side that a ray comes from over that beyond. @param front the ray comes from outside.
+[[nodiscard]] inline double relative_index(const SurfaceMaterial& surface, bool front) {
+  if (surface.thin_walled || !(surface.ior > 0)) return 1;
+  const auto ior = static_cast<double>(surface.ior);
+  return front ? 1 / ior : ior;
+}
 
 /// `shading` bent just so far that `wo` sees its front: interpolated normals and normal maps turn away from the eye
 /// near silhouettes, where a BSDF would show black. Unchanged where `wo` is on the same side of it as of the geometry.
