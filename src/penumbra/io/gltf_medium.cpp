@@ -28,7 +28,7 @@ std::optional<Bounds> box_of(const JsonPlace& place) {
 }
 
 // Densities that the glTF itself holds.
-DensityGrid held_grid(const GltfDocument& document, const JsonPlace& density, const std::optional<Bounds>& box) {
+DensityGrid held_grid(GltfDocument& document, const JsonPlace& density, const std::optional<Bounds>& box) {
   if (!box) density.fail("the medium needs lower and upper, the corners of its box");
   const auto cells = density.numbers<3>("cells", {0, 0, 0});
   DensityGrid grid;
@@ -53,7 +53,7 @@ DensityGrid held_grid(const GltfDocument& document, const JsonPlace& density, co
 
 }  // namespace
 
-Medium read_gltf_medium(const GltfDocument& document, const JsonPlace& place) {
+Medium read_gltf_medium(GltfDocument& document, const JsonPlace& place) {
   Medium medium;
   medium.box = box_of(place);
   if (const auto density = place.object("density")) {

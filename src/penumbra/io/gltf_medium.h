@@ -6,6 +6,6 @@
 namespace penumbra {
 
 /// A participating medium of `extras.penumbra` (see gltf_reader.h for its keys). Throws FileError.
-[[nodiscard]] Medium read_gltf_medium(const GltfDocument& document, const JsonPlace& place);
+[[nodiscard]] Medium read_gltf_medium(GltfDocument& document, const JsonPlace& place);
 
 }  // namespace penumbra

@@ -1,5 +1,9 @@
 #include "penumbra/render/packet_surfaces.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
 #include "penumbra/math/transform.h"
 #include "penumbra/scene/texture_lookup.h"
 #include "penumbra/tracing/shading/bsdf.h"
@@ -36,7 +40,35 @@ PacketMaterial packet_material(const Material& m) {
   return p;
 }
 
+// Which square of a checker a coordinate lies in; far out, where single precision knows no squares, the first.
+std::int64_t square_of(float x, float inverse_size) {
+  const float at = x * inverse_size;
+  if (!(std::abs(at) < 1e9F)) return 0;
+  const auto down = static_cast<std::int64_t>(at);
+  return down - (at < static_cast<float>(down) ? 1 : 0);
+}
+
 }  // namespace
+
+// As surface_material.cpp has it: squares in the plane of the two axes nearest to the surface's.
+bool PacketMaterial::on_second_colour(const PointLanes& points, std::size_t i) const {
+  const float nx = std::abs(points.geometric.x[i]), ny = std::abs(points.geometric.y[i]),
+              nz = std::abs(points.geometric.z[i]);
+  const float x = points.position.x[i], y = points.position.y[i], z = points.position.z[i];
+  const bool along_x = nx > ny && nx > nz;
+  const bool along_y = !along_x && ny >= nz;
+  const float inverse = 1 / checker_size;
+  return ((square_of(along_x ? y : x, inverse) + square_of(along_x || along_y ? z : y, inverse)) & 1) != 0;
+}
+
+void turn_towards_eye(const RayPacket& rays, std::size_t i, PointLanes& points) {
+  const Vec3d wo(-rays.direction_x[i], -rays.direction_y[i], -rays.direction_z[i]);
+  const Vec3d normal(points.normal.x[i], points.normal.y[i], points.normal.z[i]);
+  const Vec3d geometric(points.geometric.x[i], points.geometric.y[i], points.geometric.z[i]);
+  const Vec3d bent = frame_towards(Frame(normalize(normal)), normalize(geometric), normalize(wo)).normal;
+  points.normal.set(static_cast<int>(i), Vec3f(bent));
+  points.facing[i] = static_cast<float>(dot(bent, wo));
+}
 
 PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
   for (const Material& m : scene.materials) materials_.push_back(packet_material(m));
@@ -48,6 +80,45 @@ PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
                        .to_world = i.to_world,
                        .normals = normal_matrix(i.to_world) * (mirrors ? -1.0 : 1.0)});
   }
+}
+
+bool PacketSurfaces::all_matt() const {
+  const auto matt = [&](std::uint32_t m) {
+    return materials_[m].kind == PacketMaterial::Kind::matt && is_black(materials_[m].mirror) &&
+           materials_[m].checker_size == 0;
+  };
+  for (const ShapeObject& s : scene_->shapes) {
+    const bool gathered = std::holds_alternative<Sphere>(s.shape) || std::holds_alternative<Plane>(s.shape);
+    if (!gathered || !matt(s.material)) return false;
+  }
+  for (const Instance& i : scene_->instances) {
+    const Mesh& mesh = scene_->meshes[i.mesh];
+    if (!i.motion.empty() || !mesh.colours.empty() || !std::all_of(mesh.materials.begin(), mesh.materials.end(), matt)) return false;
+  }
+  return true;
+}
+
+void PacketSurfaces::fetch(const HitPacket& hits, int used) const {
+#if defined(__GNUC__)
+  const auto mesh_of = [&](int lane) -> const Mesh* {
+    const std::uint32_t object = hits.object[lane];
+    return object < scene_->instances.size() ? &scene_->meshes[scene_->instances[object].mesh] : nullptr;
+  };
+  for (int lane = 0; lane < used; ++lane) {
+    if (const Mesh* mesh = mesh_of(lane)) __builtin_prefetch(&mesh->triangles[hits.primitive[lane]]);
+  }
+  for (int lane = 0; lane < used; ++lane) {
+    const Mesh* mesh = mesh_of(lane);
+    if (mesh == nullptr) continue;
+    for (const std::uint32_t vertex : mesh->triangles[hits.primitive[lane]]) {
+      __builtin_prefetch(&mesh->positions[vertex]);
+      if (!mesh->normals.empty()) __builtin_prefetch(&mesh->normals[vertex]);
+    }
+  }
+#else
+  (void)hits;
+  (void)used;
+#endif
 }
 
 const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, HitTriangles& triangles,

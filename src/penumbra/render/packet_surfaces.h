@@ -22,13 +22,25 @@ struct PacketMaterial {
   bool double_sided = false;
   float ior = 1;  ///< of glass
   Rgb tint{0};    ///< of what glass lets through
+
+  /// Whether a lane's point lies in a square of the second colour.
+  [[nodiscard]] bool on_second_colour(const PointLanes& points, std::size_t lane) const;
 };
+
+/// Bends a lane's shading normal just so far that the eye sees its front, as frame_towards does.
+void turn_towards_eye(const RayPacket& rays, std::size_t lane, PointLanes& points);
 
 /// Gathers what the lanes of a packet hit from the scene, lane by lane: the part of shading that is all memory and no
 /// arithmetic.
 class PacketSurfaces {
  public:
   explicit PacketSurfaces(const Scene& scene);
+
+  /// Whether everything in the scene rests and is matt, of one colour and without mirrors, so that no lane needs to be shaded by itself.
+  [[nodiscard]] bool all_matt() const;
+
+  /// Asks for what `gather` will read, of all lanes at once: in large scenes memory is what it waits for.
+  void fetch(const HitPacket& hits, int used) const;
 
   /// Puts a hit lane's triangle or shape beside the others; returns its material, or none when the lane has to be
   /// shaded by itself. @pre the lane hit something.

@@ -6,6 +6,8 @@
 #include "penumbra/render/airlight.h"
 #include "penumbra/render/first_surface.h"
 #include "penumbra/render/integrator.h"
+#include "penumbra/render/path_survival.h"
+#include "penumbra/render/path_waves.h"
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/interior.h"
@@ -16,11 +18,6 @@
 namespace penumbra {
 namespace {
 
-// Bounces before Russian roulette may end a path, and the longest survival chance: even in a scene that absorbs nothing
-// a path ends with probability one.
-constexpr int sure_bounces = 3;
-constexpr double most_survival = 0.95;
-
 // Scatterings before which light in the air is also looked for by equiangular distances: where it is seen.
 constexpr int equiangular_bounces = 2;
 
@@ -30,7 +27,8 @@ Vec3d facing(const Bsdf& bsdf, const Vec3d& wo) {
 }
 
 /// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance
-/// sampling; Russian roulette ends paths without bias.
+/// sampling; Russian roulette ends paths without bias. Where all is matt and lamps are flat, paths are traced in waves
+/// (PathWaves).
 class Path final : public RayIntegrator {
  public:
   Path(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
@@ -42,7 +40,17 @@ class Path final : public RayIntegrator {
         textures_(tracer),
         max_depth_(options.max_depth),
         caustics_(options.caustics),
-        front_sides_only_(options.front_sides_only) {}
+        front_sides_only_(options.front_sides_only),
+        camera_(camera) {
+    if (!front_sides_only_) {
+      waves_ = PathWaves::make(tracer, camera_, lights_, {.max_depth = max_depth_, .seed = options.seed});
+    }
+  }
+
+  using RayIntegrator::render;
+  void render(std::span<const PixelBlock> blocks, Film& film, RayCounts& rays) const override {
+    waves_ && !film.has_layers() ? waves_->render(blocks, film, rays) : RayIntegrator::render(blocks, film, rays);
+  }
 
   [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override;
 
@@ -88,6 +96,8 @@ class Path final : public RayIntegrator {
   int max_depth_;
   bool caustics_;
   bool front_sides_only_;
+  CameraRays camera_;
+  std::unique_ptr<PathWaves> waves_;
 };
 
 PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const {
@@ -204,7 +214,7 @@ Rgb Path::light_by_sampling(const Walk& walk, const SurfacePoint& point, const B
 
 bool Path::goes_on(Walk& walk, PixelSampler& sampler) {
   if (++walk.depth <= sure_bounces) return true;
-  const double survival = std::min(most_survival, static_cast<double>(max_component(walk.throughput)));
+  const double survival = survival_chance(walk.throughput);
   if (sampler.next_1d() >= survival) return false;
   walk.throughput /= static_cast<float>(survival);
   return true;

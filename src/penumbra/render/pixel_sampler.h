@@ -52,6 +52,16 @@ class PixelSampler {
   /// Leaves out numbers that nobody needs.
   void skip(int numbers) { dimension_ += static_cast<std::uint64_t>(numbers); }
 
+  /// The key of the number after `skipped` more: owen_sobol_1d or _2d make the number of it and of `index()`.
+  [[nodiscard]] std::uint64_t key_after(int skipped) const {
+    return key_ + 0x9e3779b97f4a7c15ULL * (dimension_ + static_cast<std::uint64_t>(skipped) + 1);
+  }
+  /// The key of the number `numbers` after that of this key.
+  [[nodiscard]] static std::uint64_t later_key(std::uint64_t key, int numbers) {
+    return key + 0x9e3779b97f4a7c15ULL * static_cast<std::uint64_t>(numbers);
+  }
+  [[nodiscard]] std::uint32_t index() const { return sample_; }
+
   /// The numbers of one node of a tree of rays, whatever was drawn elsewhere in the tree.
   [[nodiscard]] PixelSampler at_node(std::uint32_t node) const {
     PixelSampler own = *this;

@@ -25,33 +25,7 @@ struct ColourLanes {
   [[nodiscard]] Rgb get(std::size_t i) const { return {r[i], g[i], b[i]}; }
 };
 
-// Which square of a checker a coordinate lies in; far out, where single precision knows no squares, the first.
-std::int64_t square_of(float x, float inverse_size) {
-  const float at = x * inverse_size;
-  if (!(std::abs(at) < 1e9F)) return 0;
-  const auto down = static_cast<std::int64_t>(at);
-  return down - (at < static_cast<float>(down) ? 1 : 0);
-}
-
-// As surface_material.cpp has it: squares in the plane of the two axes nearest to the surface's.
-bool on_second_colour(const PacketMaterial& m, const PointLanes& points, std::size_t i) {
-  const float nx = std::abs(points.geometric.x[i]), ny = std::abs(points.geometric.y[i]),
-              nz = std::abs(points.geometric.z[i]);
-  const float x = points.position.x[i], y = points.position.y[i], z = points.position.z[i];
-  const bool along_x = nx > ny && nx > nz;
-  const bool along_y = !along_x && ny >= nz;
-  const float inverse = 1 / m.checker_size;
-  return ((square_of(along_x ? y : x, inverse) + square_of(along_x || along_y ? z : y, inverse)) & 1) != 0;
-}
-
 }  // namespace
-
-/// A sample of a pixel.
-struct RayWaves::Sample {
-  int x, y, number;
-  float weight;  // of the filter
-  Rgb radiance{0};
-};
 
 /// Sixteen rays, what they carry, and whose they are.
 struct alignas(64) RayWaves::Wave {
@@ -105,7 +79,7 @@ class RayWaves::Batch {
 
   void start(const PixelBlock& block);
   void trace();
-  void add_to(Film& film) const;
+  void add_to(Film& film) const { add_samples(samples_, film); }
   void clear() { samples_.clear(); }
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
 
@@ -128,7 +102,7 @@ class RayWaves::Batch {
   const RayWaves& owner_;
   const Others& others_;
   RayCounts& rays_;
-  std::vector<Sample> samples_;
+  std::vector<PixelSample> samples_;
   std::vector<Wave> now_, next_;
   std::size_t next_count_ = 0;
   int depth_ = 0;
@@ -138,13 +112,12 @@ class RayWaves::Batch {
 RayWaves::RayWaves(const RayTracer& tracer, const CameraRays& camera, const LightSampler& lights,
                    std::vector<PacketLight> packet_lights, const Options& options)
     : tracer_(tracer),
-      camera_(camera),
+      camera_(camera, options.seed),
       lights_(lights),
       packet_lights_(std::move(packet_lights)),
       options_(options),
       shadow_(tracer, options.through_glass),
-      surfaces_(tracer.scene()),
-      raster_{Vec3f(camera.eye()), Vec3f(camera.corner()), Vec3f(camera.step_x()), Vec3f(camera.step_y())} {
+      surfaces_(tracer.scene()) {
   for (const PacketLight& l : packet_lights_) {
     const PacketLight::Triangle point{.v0 = l.position,
                                       .e1 = Vec3f(0),
@@ -183,36 +156,17 @@ void RayWaves::render(std::span<const PixelBlock> blocks, const Others& others, 
 
 // The camera's rays: one packet for each sample of the block.
 void RayWaves::Batch::start(const PixelBlock& block) {
-  const int width = block.x1 - block.x0;
-  const int used = width * (block.y1 - block.y0);
-  Lanes x, y;
   for (int number = block.first_sample; number < block.last_sample; ++number) {
     Wave& wave = open_wave();
-    wave.used = used;
-    for (int lane = 0; lane < lanes; ++lane) {
-      const auto i = static_cast<std::size_t>(lane);
-      const bool on = lane < used;
-      wave.rays.active[lane] = on ? -1 : 0;
-      wave.node[lane] = root;
+    const std::size_t first = samples_.size();
+    wave.used = owner_.camera_.aim(block, number, wave.rays, samples_);
+    for (std::size_t i = 0; i < lanes; ++i) {
+      wave.sample[i] = static_cast<std::uint32_t>(first + i);
+      wave.node[i] = root;
       wave.weight.set(i, Rgb(1));
-      Sample sample{block.x0 + std::min(lane, used - 1) % width, block.y0 + std::min(lane, used - 1) / width, number,
-                    1};
-      Vec2d offset(0);
-      PixelSampler random(owner_.options_.seed, sample.x, sample.y, number);
-      if (!owner_.camera_.centred() && on) {
-        const Filter::Position at = owner_.camera_.sub_pixel(random);
-        offset = at.offset;
-        sample.weight = at.weight;
-      }
-      wave.rays.time[lane] = static_cast<float>(owner_.camera_.time(random));
-      x[i] = static_cast<float>(sample.x + 0.5 + offset.x);
-      y[i] = static_cast<float>(sample.y + 0.5 + offset.y);
-      wave.sample[lane] = static_cast<std::uint32_t>(samples_.size());
-      if (on) samples_.push_back(sample);
     }
-    aim_camera(owner_.raster_, x, y, wave.rays);
-    for (int lane = 0; owner_.filters() && lane < used; ++lane) {
-      wave.differential[static_cast<std::size_t>(lane)] = owner_.camera_.differential(wave.ray(lane));
+    for (int lane = 0; owner_.filters() && lane < wave.used; ++lane) {
+      wave.differential[static_cast<std::size_t>(lane)] = owner_.camera_.rays().differential(wave.ray(lane));
     }
   }
 }
@@ -238,24 +192,15 @@ void RayWaves::Batch::trace() {
   }
 }
 
-void RayWaves::Batch::add_to(Film& film) const {
-  PixelEstimate seen;
-  for (const Sample& s : samples_) {
-    seen.radiance = s.radiance;
-    film.add(s.x, s.y, seen, s.weight);
-  }
-}
-
 PixelSampler RayWaves::Batch::sampler(const Wave& wave, int lane) const {
-  const Sample& s = samples_[wave.sample[lane]];
-  PixelSampler random(owner_.options_.seed, s.x, s.y, s.number);
-  random.skip(owner_.camera_.drawn());
+  const PixelSampler random = owner_.camera_.sampler(samples_[wave.sample[lane]]);
   return wave.node[lane] == root ? random : random.at_node(wave.node[lane]);
 }
 
 void RayWaves::Batch::meet(Wave& wave) {
   Lit lit;
-  owner_.tracer_.nearest(wave.rays, lit.hits);
+  owner_.tracer_.nearest(wave.rays, lit.hits, depth_ == 0);
+  owner_.surfaces_.fetch(lit.hits, wave.used);
   classify(wave, lit);
   shine(wave, lit);
   if (lit.any_lit) light(wave, lit);
@@ -329,7 +274,7 @@ SurfacePoint RayWaves::Batch::surface_of(const Wave& wave, const Lit& lit, int l
 float RayWaves::Batch::second_colour(const Wave& wave, const Lit& lit, int lane) const {
   const auto i = static_cast<std::size_t>(lane);
   const PacketMaterial& m = *lit.material[i];
-  if (!owner_.filters()) return on_second_colour(m, lit.points, i) ? 1.0F : 0.0F;
+  if (!owner_.filters()) return m.on_second_colour(lit.points, i) ? 1.0F : 0.0F;
   const SurfacePoint point = surface_of(wave, lit, lane);
   const Footprint footprint = footprint_of(wave.ray(lane), wave.differential[i], point);
   return second_colour_share(point, static_cast<double>(m.checker_size), footprint);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "penumbra/render/camera_packets.h"
 #include "penumbra/render/direct_light.h"
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/light_points.h"
@@ -51,8 +52,6 @@ class RayWaves {
 
  private:
   [[nodiscard]] bool filters() const { return options_.textures != nullptr && options_.textures->any(); }
-
-  struct Sample;
   struct Wave;
   struct LightPoints;
   struct Lit;
@@ -62,13 +61,12 @@ class RayWaves {
            std::vector<PacketLight> packet_lights, const Options& options);
 
   const RayTracer& tracer_;
-  const CameraRays& camera_;
+  CameraPackets camera_;
   const LightSampler& lights_;
   std::vector<PacketLight> packet_lights_;
   Options options_;
   Shadow shadow_;
   PacketSurfaces surfaces_;
-  RasterDirections raster_;
   std::vector<LightPoints> fixed_points_;  // by light: where all rays to it go, when it is met at one point
 };
 

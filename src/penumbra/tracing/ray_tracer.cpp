@@ -185,8 +185,8 @@ struct RayTracer::Impl {
         coherent && only_triangles ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     return context;
   }
-  void nearest(const RayPacket& rays, HitPacket& hits) const;
-  void nearest_below(const RayPacket& rays, HitPacket& hits) const;
+  void nearest(const RayPacket& rays, HitPacket& hits, bool coherent) const;
+  void nearest_below(const RayPacket& rays, HitPacket& hits, bool coherent) const;
   void turn_normals(RTCHitN* found, const RayPacket& rays, HitPacket& hits) const;
   /// The mesh of an instance where it is at a time.
   [[nodiscard]] PlacedMesh placed_at(std::uint32_t object, double time) const {
@@ -420,18 +420,18 @@ void RayTracer::Impl::turn_normals(RTCHitN* found, const RayPacket& rays, HitPac
   }
 }
 
-void RayTracer::nearest(const RayPacket& rays, HitPacket& hits) const {
+void RayTracer::nearest(const RayPacket& rays, HitPacket& hits, bool coherent) const {
   const bool has_list = !impl_->list.empty();
   if (has_list || !impl_->world) impl_->list.nearest(rays, hits);
-  if (impl_->world) has_list ? impl_->nearest_below(rays, hits) : impl_->nearest(rays, hits);
+  if (impl_->world) has_list ? impl_->nearest_below(rays, hits, coherent) : impl_->nearest(rays, hits, coherent);
 }
 
-void RayTracer::Impl::nearest(const RayPacket& rays, HitPacket& hits) const {
+void RayTracer::Impl::nearest(const RayPacket& rays, HitPacket& hits, bool coherent) const {
   RTCRayHit16 query;
   copy_rays(rays, query.ray);
   std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
   std::fill(std::begin(query.hit.instID[0]), std::end(query.hit.instID[0]), RTC_INVALID_GEOMETRY_ID);
-  RTCIntersectContext context = packet_context(true);
+  RTCIntersectContext context = packet_context(coherent);
   if (native_packets) {
     rtcIntersect16(rays.active, world.get(), &context, &query);
   } else {
@@ -453,11 +453,11 @@ void RayTracer::Impl::nearest(const RayPacket& rays, HitPacket& hits) const {
 }
 
 // Takes what the hierarchy holds nearer than the hits so far.
-void RayTracer::Impl::nearest_below(const RayPacket& rays, HitPacket& hits) const {
+void RayTracer::Impl::nearest_below(const RayPacket& rays, HitPacket& hits, bool coherent) const {
   RayPacket rest = rays;
   std::memcpy(rest.t_max, hits.t, sizeof rest.t_max);
   HitPacket found;
-  nearest(rest, found);
+  nearest(rest, found, coherent);
   for (int i = 0; i < RayPacket::size; ++i) {
     if (found.object[i] == HitPacket::no_hit) continue;
     hits.t[i] = found.t[i];

@@ -32,9 +32,9 @@ class RayTracer {
   [[nodiscard]] bool occluded(const Ray& ray) const;
 
   /// Nearest hits of the active lanes; coherent rays gain most.
-  void nearest(const RayPacket& rays, HitPacket& hits) const;
-  /// Sets `active` to 0 in lanes where something stands in the way.
   /// @param coherent whether the rays run close together (to one point, say); spread ones are faster without.
+  void nearest(const RayPacket& rays, HitPacket& hits, bool coherent = true) const;
+  /// Sets `active` to 0 in lanes where something stands in the way.
   void occluded(RayPacket& rays, bool coherent) const;
 
   /// Position, normals, texture coordinates and material at a hit of `ray`.
