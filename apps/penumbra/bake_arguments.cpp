@@ -222,6 +222,21 @@ void check_checkpoint(const BakeArguments& a) {
   }
 }
 
+void check_spectral(const BakeArguments& a) {
+  if (!a.spectral) return;
+  const auto refuse = [](const std::string& what, const char* reason) {
+    throw UsageError(fmt::format("--spectral does not go with {}, {}", what, reason));
+  };
+  if (std::filesystem::path(a.output).extension() == ".glb") {
+    refuse(a.output, "whose light is red, green and blue; write .npz, .csv, .ply or .vtu");
+  }
+  if (a.radiosity.solver == "shooting") refuse("--solver shooting", "which keeps no form factors; use gauss-seidel");
+  if (a.snapshots) refuse("--snapshots", "as bands are solved one after another; leave it away");
+  if (a.radiosity.specular_rays.value_or(0) > 0) {
+    refuse("--specular-rays", "as mirrors and glass pass no light on between bands; leave it away");
+  }
+}
+
 void add_snapshot_options(OptionParser& parser, BakeArguments& a) {
   parser.group("Snapshots");
   parser.value(
@@ -293,6 +308,11 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
   add_lightmap_options(parser, result);
   add_probe_options(parser, result);
   add_radiosity_options(parser, result.radiosity);
+  parser.flag(
+      "--spectral",
+      "solve over bands of wavelength, at most 10 nm wide, with fluorescence; .npz then holds them too. Mirrors "
+      "and glass pass no light on (default: red, green and blue)",
+      result.spectral);
   add_checkpoint_options(parser, result);
   add_snapshot_options(parser, result);
   add_scene_options(parser, result.scene);
@@ -310,6 +330,7 @@ std::optional<BakeArguments> parse_bake_arguments(const std::vector<std::string>
   check_probes(result);
   check_checkpoint(result);
   check_snapshots(result);
+  check_spectral(result);
   check_report(result.common);
   return result;
 }

@@ -42,7 +42,8 @@ struct BakeArguments {
   std::optional<std::string> snapshots;      ///< a folder for a picture of each stage
   std::optional<std::size_t> snapshot_every;
   bool snapshot_meshes = false;
-  CameraOptions camera;  ///< of the snapshots
+  bool spectral = false;  ///< solve over bands of wavelength
+  CameraOptions camera;   ///< of the snapshots
   CommonOptions common;
 
   [[nodiscard]] BakeKind kind() const;

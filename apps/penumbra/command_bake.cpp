@@ -12,6 +12,7 @@
 #include "lightmap_bake.h"
 #include "occlusion_bake.h"
 #include "penumbra/parallel/parallel_for.h"
+#include "penumbra/radiosity/pipeline/spectral_radiosity.h"
 #include "probe_bake.h"
 #include "report.h"
 #include "run_limits.h"
@@ -42,6 +43,7 @@ Report report_on(const BakeArguments& arguments, const RadiositySetup& setup, co
           {"form_factors", arguments.radiosity.form_factors},
           {"seed", arguments.common.seed},
           {"resumed", arguments.resume.has_value()},
+          {"spectral", arguments.spectral},
           {"elements", setup.mesh.surface_count()},
           {"links", setup.factors.values.size()},
           {"iterations", s.iterations},
@@ -116,8 +118,9 @@ void say_result(const BakeArguments& arguments, const RadiositySetup& setup, con
 }
 
 std::unique_ptr<RadiositySetup> set_up(const BakeArguments& arguments, const Scene& scene, const Progress& progress) {
-  const RadiositySetupOptions options =
+  RadiositySetupOptions options =
       setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed);
+  if (arguments.spectral) options.specular_rays = 0;
   if (arguments.resume) return read_checkpoint(*arguments.resume, scene, options);
   auto setup = make_radiosity_setup(scene, options, progress);
   if (arguments.checkpoint && setup->partial) {
@@ -159,14 +162,18 @@ int bake_scene(const BakeArguments& arguments) {
     snapshots.emplace(arguments, scene, *setup);
     options.on_stage = [&](const SolverStage& stage) { snapshots->take(stage); };
   }
-  const SceneRadiosity solved = solve(*setup, options);
+  SpectralRadiosity spectral;
+  if (arguments.spectral) spectral = solve_spectral(scene, *setup, options);
+  const SceneRadiosity solved = arguments.spectral ? std::move(spectral.rgb) : solve(*setup, options);
   seconds.solve = solve_watch.seconds();
 
   const Stopwatch write_watch;
   console.progress("write", 0);
+  DiffuseSolution solution = diffuse_solution(scene, setup->mesh, solved.solution, solved.caustics);
+  solution.wavelength_edges = std::move(spectral.edges);
+  solution.spectral_radiosity = std::move(spectral.bands.radiosity);
   std::vector<std::string> said =
-      write_solution(arguments.output, diffuse_solution(scene, setup->mesh, solved.solution, solved.caustics), scene,
-                     {arguments.exposure.value_or(0), arguments.scene.photometric});
+      write_solution(arguments.output, solution, scene, {arguments.exposure.value_or(0), arguments.scene.photometric});
   for (std::string& sentence : remarks(arguments, solved)) said.push_back(std::move(sentence));
   console.warn(said);
   warnings.insert(warnings.end(), said.begin(), said.end());

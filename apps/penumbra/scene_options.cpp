@@ -206,7 +206,9 @@ Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings
   const bool lit = is_lit(scene);  // judged by the file's own numbers, whatever their unit
   if (options.photometric) {
     constexpr float lumens_per_watt = 683;  // CIE: the luminous efficacy K_cd, lm/W
-    for (Material& material : scene.materials) material.emission /= lumens_per_watt;
+    for (Material& material : scene.materials) {
+      if (!material.emission_spectrum) material.emission /= lumens_per_watt;  // spectra are in W
+    }
   }
   if (options.environment) {
     scene.environment = make_environment(*options.environment, scene);

@@ -68,6 +68,8 @@ DiffuseSolution diffuse_solution(const Scene& scene, const PatchMesh& mesh, cons
                     .caustics = std::move(caustics),
                     .object_names = {},
                     .partial = solution.partial,
+                    .wavelength_edges = {},
+                    .spectral_radiosity = {},
                     .scene = fingerprint(scene)};
   for (std::size_t i = 0; i < scene.object_count(); ++i) s.object_names.push_back(object_label(scene, i));
   return s;
@@ -85,6 +87,8 @@ ElementTable element_table(const DiffuseSolution& s) {
   t.radiosity = s.radiosity;
   t.caustics = s.caustics;
   t.partial = s.partial;
+  t.wavelength_edges = s.wavelength_edges;
+  t.spectral_radiosity = s.spectral_radiosity;
   t.fingerprints = {to_text(s.scene.ways), to_text(s.scene.light)};
   t.vertices = s.mesh.vertices;
   t.corner_offsets.push_back(0);
@@ -115,6 +119,11 @@ void check_scene(const std::string& path, const ElementTable& t, const SceneFing
 DiffuseSolution read_solution(const std::string& path, const Scene& scene) {
   const ElementTable t = read_element_table(path);
   check_scene(path, t, fingerprint(scene));
+  if (!t.wavelength_edges.empty()) {
+    throw FileError(path, "",
+                    "was solved over bands of wavelength, whose light pictures of a solution cannot show; bake without "
+                    "--spectral, or draw by --integrator path --spectral");
+  }
   DiffuseSolution s;
   s.mesh.vertices = t.vertices;
   s.mesh.reflectance = t.reflectance;

@@ -17,6 +17,8 @@ struct DiffuseSolution {
   std::vector<double> caustics;           ///< SceneRadiosity::caustics; empty: none, or not known
   std::vector<std::string> object_names;  ///< by the objects' numbers in the mesh's surfaces
   bool partial = false;
+  /// Of a solution over bands of wavelength: edges in nm and W/m^2, [element * bands + band]. Else empty.
+  std::vector<double> wavelength_edges, spectral_radiosity;
   SceneFingerprint scene;  ///< of the scene that it is of
 };
 

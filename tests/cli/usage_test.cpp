@@ -65,7 +65,7 @@ const BadUsage bad_usages[] = {
     {"ExplainHalfAPixel", {"explain", box, "--pixel", "4.5,2"}, {"--pixel", "4.5,2"}},
     {"ExplainAsPicture", {"explain", box, "--pixel", "4,2", "-o", "OUT.png"}, {".svg", ".json", ".dot"}},
     {"FarOption", {"render", box, "-o", "OUT.png", "--zzzzzzzz"}, {"--zzzzzzzz", "penumbra render --help"}},
-    {"LaterOption", {"render", box, "-o", "OUT.png", "--spectral"}, {"unknown option --spectral"}},
+    {"LaterOption", {"render", box, "-o", "OUT.png", "--denoise"}, {"unknown option --denoise"}},
     {"ExtraArgument", {"render", box, "second.glb", "-o", "OUT.png"}, {"second.glb", "too many"}},
     {"NoScene", {"render", "-o", "OUT.png"}, {"SCENE"}},
     {"NoOutput", {"render", box}, {"-o"}},

@@ -71,6 +71,13 @@ void write_npz(const std::filesystem::path& path, const ElementTable& t) {
   std::string vertices = npy_header("<f8", fmt::format("({}, 3)", t.vertices.size()));
   vertices.append(reinterpret_cast<const char*>(t.vertices.data()), t.vertices.size() * sizeof(Vec3d));
   zip.add("vertices.npy", vertices);
+  if (!t.wavelength_edges.empty()) {
+    zip.add("wavelength_edges.npy", npy_array(t.wavelength_edges));
+    std::string values_of_bands = npy_header("<f8", fmt::format("({}, {})", t.rows(), t.wavelength_edges.size() - 1));
+    values_of_bands.append(reinterpret_cast<const char*>(t.spectral_radiosity.data()),
+                           t.spectral_radiosity.size() * sizeof(double));
+    zip.add("spectral_radiosity.npy", values_of_bands);
+  }
   zip.add("corner_offsets.npy", npy_array(t.corner_offsets));
   zip.add("corners.npy", npy_array(t.corners));
   zip.add("partial.npy", npy_truth(t.partial));
@@ -185,6 +192,8 @@ ElementTable read_element_table(const std::filesystem::path& path) {
   for (const std::string& side : sides) t.backs.push_back(side == "back");
   t.partial = file.truth("partial");
   if (file.has("fingerprints")) t.fingerprints = file.texts("fingerprints");
+  if (file.has("wavelength_edges")) t.wavelength_edges = file.doubles("wavelength_edges");
+  if (!t.wavelength_edges.empty()) t.spectral_radiosity = file.doubles("spectral_radiosity");
   const std::vector<double> flat = file.doubles("vertices");
   for (std::size_t i = 0; i + 2 < flat.size(); i += 3) t.vertices.emplace_back(flat[i], flat[i + 1], flat[i + 2]);
   t.corner_offsets = file.integers("corner_offsets");

@@ -26,6 +26,10 @@ struct ElementTable {
   bool partial = false;                   ///< the computation was stopped
   std::vector<std::string> fingerprints;  ///< what identifies the scene; in .npz alone, may be missing
 
+  /// Of a solution over bands of wavelength, in .npz alone: edges in nm, one more than bands, as `wavelength_edges`,
+  /// and [row][band] W/m^2 as `spectral_radiosity`. Else empty.
+  std::vector<double> wavelength_edges, spectral_radiosity;
+
   // The elements' polygons; in .npz alone, as `vertices`, `corner_offsets` and `corners`.
   std::vector<Vec3d> vertices;               ///< m
   std::vector<std::int64_t> corner_offsets;  ///< row k has the corners [offsets[k], offsets[k + 1])

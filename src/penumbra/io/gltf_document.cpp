@@ -16,9 +16,10 @@ namespace penumbra {
 namespace {
 
 constexpr std::array known_extensions = {
-    "KHR_lights_punctual",   "KHR_materials_emissive_strength", "KHR_materials_ior",   "KHR_materials_transmission",
-    "KHR_materials_volume",  "KHR_materials_specular",          "KHR_materials_unlit", "KHR_texture_transform",
-    "KHR_mesh_quantization", "KHR_draco_mesh_compression",      "EXT_texture_webp",    "EXT_meshopt_compression",
+    "KHR_lights_punctual",      "KHR_materials_emissive_strength", "KHR_materials_ior",   "KHR_materials_transmission",
+    "KHR_materials_volume",     "KHR_materials_specular",          "KHR_materials_unlit", "KHR_texture_transform",
+    "KHR_mesh_quantization",    "KHR_draco_mesh_compression",      "EXT_texture_webp",    "EXT_meshopt_compression",
+    "KHR_materials_dispersion",
 };
 
 bool is_known(std::string_view extension) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 
 namespace penumbra {
@@ -104,6 +105,12 @@ class MaterialReader {
       made_.transmission_texture = texture(*transmission, "transmissionTexture");
     }
     read_volume(extensions.object("KHR_materials_volume"));
+    if (const auto dispersion = extensions.object("KHR_materials_dispersion")) {
+      // 20 over Abbe's number.
+      const double value = dispersion->number("dispersion", 0);
+      if (value < 0) dispersion->fail("its dispersion must not be negative");
+      if (value > 0 && made_.ior > 1) made_.dispersion = cauchy_of_abbe(double{made_.ior}, 20 / value);
+    }
     made_.unlit = extensions.object("KHR_materials_unlit").has_value();
   }
 
@@ -124,6 +131,39 @@ class MaterialReader {
       made_.checker_colour = colour(*checker, "colour", Rgb(0.0F));
       made_.checker_size = static_cast<float>(checker->number("size", 1));
       if (!(made_.checker_size > 0)) checker->fail("its size must be more than 0 metres");
+    }
+    read_spectra(extras);
+  }
+
+  void read_spectra(const JsonPlace& extras) {
+    if (const auto glass = extras.object("sellmeier")) {
+      made_.dispersion = Sellmeier{glass->numbers<3>("b", {}), glass->numbers<3>("c_um2", {})};
+    }
+    if (const auto glass = extras.object("cauchy")) {
+      made_.dispersion = Cauchy{glass->number("a", 1.5), glass->number("b_um2", 0), glass->number("c_um4", 0)};
+    }
+    if (made_.dispersion) {
+      const double index = refractive_index(*made_.dispersion, line_d);
+      if (!(index >= 1 && index <= 100)) extras.fail("its dispersion gives no index of refraction at 587.6 nm");
+      made_.ior = static_cast<float>(index);
+    }
+    if (const auto dye = extras.object("fluorescence")) {
+      made_.fluorescence = Fluorescence{dye->number_list("edges_nm"), dye->number_list("matrix")};
+      refuse_invalid(*made_.fluorescence, *dye);
+    }
+    if (const auto lamp = extras.object("emission_spectrum")) {
+      made_.emission_spectrum = EmissionSpectrum{lamp->number_list("edges_nm"), lamp->number_list("radiance")};
+      refuse_invalid(*made_.emission_spectrum, *lamp);
+      made_.emission = made_.emission_spectrum->colour();
+    }
+  }
+
+  template <class Part>
+  static void refuse_invalid(const Part& part, const JsonPlace& at) {
+    try {
+      validate(part);
+    } catch (const std::invalid_argument& wrong) {
+      at.fail(wrong.what());
     }
   }
 

@@ -331,12 +331,37 @@ class GltfWriter {
     if (m.attenuation_colour != Rgb(1.0F)) volume["attenuationColor"] = json_of(m.attenuation_colour);
   }
 
+  void add_spectra(Json& json, const Material& m) {
+    if (m.dispersion) {
+      // As 20 over Abbe's number for all who read glTF, and exactly for us.
+      const double abbe = abbe_number(*m.dispersion);
+      if (std::isfinite(abbe) && m.transmission > 0 && !m.thin_walled) {
+        extension(json, "KHR_materials_dispersion")["dispersion"] = std::max(0.0, 20 / abbe);
+      }
+      Json& extras = json["extras"]["penumbra"];
+      if (const auto* glass = std::get_if<Sellmeier>(&*m.dispersion)) {
+        extras["sellmeier"] = {{"b", glass->b}, {"c_um2", glass->c}};
+      } else if (const auto* plain = std::get_if<Cauchy>(&*m.dispersion)) {
+        extras["cauchy"] = {{"a", plain->a}, {"b_um2", plain->b}, {"c_um4", plain->c}};
+      }
+    }
+    if (m.fluorescence) {
+      json["extras"]["penumbra"]["fluorescence"] = {{"edges_nm", m.fluorescence->edges},
+                                                    {"matrix", m.fluorescence->matrix}};
+    }
+    if (m.emission_spectrum) {
+      json["extras"]["penumbra"]["emission_spectrum"] = {{"edges_nm", m.emission_spectrum->edges},
+                                                         {"radiance", m.emission_spectrum->radiance}};
+    }
+  }
+
   void add_material_extras(Json& json, const Material& m) {
     if (!is_black(m.mirror)) json["extras"]["penumbra"]["mirror"] = json_of(m.mirror);
     if (m.checker_colour) {
       json["extras"]["penumbra"]["checker"] = {{"colour", json_of(*m.checker_colour)}, {"size", m.checker_size}};
     }
     if (m.medium) json["extras"]["penumbra"]["medium"] = json_of_medium(scene_.media[*m.medium]);
+    add_spectra(json, m);
     if (m.conductor) {
       warn(fmt::format("material '{}': the metal's refractive index is left out; its base colour stands for it",
                        m.name));

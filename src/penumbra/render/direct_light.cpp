@@ -28,14 +28,14 @@ DirectLight::DirectLight(const RayTracer& tracer, const RenderOptions& options)
 }
 
 DirectLight::Receiver DirectLight::receiver(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
-                                            double roughness_limit) const {
+                                            double roughness_limit, const Bands& bands) const {
   const Vec3d& n = bsdf.shading_normal();
-  return {point, bsdf, wo, dot(n, wo) < 0 ? -n : n, roughness_limit};
+  return {point, bsdf, wo, dot(n, wo) < 0 ? -n : n, roughness_limit, bands};
 }
 
 Rgb DirectLight::reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
-                           int depth, PixelSampler& sampler, RayCounts& rays) const {
-  const Receiver to = receiver(point, bsdf, wo, roughness_limit);
+                           int depth, PixelSampler& sampler, RayCounts& rays, const Bands& bands) const {
+  const Receiver to = receiver(point, bsdf, wo, roughness_limit, bands);
   Rgb sum(0);
   for (std::size_t light = 0; light < lights_.light_count(); ++light) {
     if (const auto exact = exactly(to, light, depth, sampler, rays)) {
@@ -55,7 +55,7 @@ Rgb DirectLight::by_rays(const Receiver& to, std::size_t light, int depth, Pixel
     const Candidate c = from_light(to, light, numbers);
     if (is_black(c.radiance)) return Shaded{};
     penumbra::count(rays, RayPurpose::shadow, depth);
-    return Shaded{c.radiance, shadow_.transmittance(c.shadow_ray)};
+    return Shaded{c.radiance, shadow_.transmittance(c.shadow_ray, {}, to.bands)};
   };
   const bool judged = !boundaries_.empty();
   const bool boundary = judged && boundaries_.crosses(sampler.x(), sampler.y(), light, depth > 0);
@@ -89,12 +89,18 @@ PolygonShadows::Receiver for_polygons(const SurfacePoint& point, const Vec3d& wo
 
 }  // namespace
 
+Rgb DirectLight::flat_radiance(const Receiver& to, std::size_t light) const {
+  const EmissionSpectrum* spectrum = lights_.spectrum(light);
+  if (spectrum && to.bands.spectral()) return spectrum_in(*spectrum, to.bands);
+  return to.bands.emission(flat_lamps_->radiance(light));
+}
+
 // What a light would bring with nothing in between: known of flat lamps on Lambertian surfaces, else by several points
 // of it that need no rays.
 Rgb DirectLight::open_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const {
   if (flat_lamps_ && flat_lamps_->has(light) && to.bsdf.is_lambertian()) {
     const double form = flat_lamps_->open_factor(light, for_polygons(to.point, to.wo, to.facing));
-    return to.bsdf.diffuse_albedo(to.wo) * flat_lamps_->radiance(light) * static_cast<float>(form);
+    return to.bsdf.diffuse_albedo(to.wo) * flat_radiance(to, light) * static_cast<float>(form);
   }
   const PixelSampler::Draws draws = sampler.next_draws(unchecked_points);
   Rgb sum(0);
@@ -111,21 +117,21 @@ std::optional<Rgb> DirectLight::exactly(const Receiver& to, std::size_t light, i
   if (!exact_ || !flat_lamps_->has(light)) return std::nullopt;
   const auto form = flat_lamps_->visible_factor(light, for_polygons(to.point, to.wo, to.facing));
   if (!form) return std::nullopt;
-  const Rgb matt = to.bsdf.diffuse_albedo(to.wo) * flat_lamps_->radiance(light) * static_cast<float>(*form);
+  const Rgb matt = to.bsdf.diffuse_albedo(to.wo) * flat_radiance(to, light) * static_cast<float>(*form);
   if (to.bsdf.is_lambertian()) return matt;
   const Candidate c = from_light(to, light, sampler);
   const Rgb gloss = c.radiance - to.bsdf.diffuse_albedo(to.wo) * std::numbers::inv_pi_v<float> * c.irradiance;
   if (is_black(gloss)) return matt;
   penumbra::count(rays, RayPurpose::shadow, depth);
-  return matt + gloss * shadow_.transmittance(c.shadow_ray);
+  return matt + gloss * shadow_.transmittance(c.shadow_ray, {}, to.bands);
 }
 
 std::optional<DirectLight::Meeting> DirectLight::meet(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
-                                                      double roughness_limit, std::size_t light,
-                                                      PixelSampler& sampler) const {
-  const Candidate c = from_light(receiver(point, bsdf, wo, roughness_limit), light, sampler);
+                                                      double roughness_limit, std::size_t light, PixelSampler& sampler,
+                                                      const Bands& bands) const {
+  const Candidate c = from_light(receiver(point, bsdf, wo, roughness_limit, bands), light, sampler);
   if (is_black(c.radiance)) return std::nullopt;
-  const Rgb passed = shadow_.transmittance(c.shadow_ray);
+  const Rgb passed = shadow_.transmittance(c.shadow_ray, {}, bands);
   return Meeting{c.shadow_ray, c.radiance * passed, passed};
 }
 
@@ -146,7 +152,7 @@ DirectLight::Candidate DirectLight::from_light(const Receiver& to, std::size_t l
 DirectLight::Candidate DirectLight::unhindered(const Receiver& to, const LightSample& light) const {
   const Rgb f = to.bsdf.evaluate_unsplit(to.wo, light.direction, to.roughness_limit);
   const double cosine = dot(to.facing, light.direction);
-  const Rgb weight = static_cast<float>(std::abs(cosine)) * light.weight();
+  const Rgb weight = static_cast<float>(std::abs(cosine)) * light.weight(to.bands);
   // Irradiance of the side that is seen: above its shading normal's horizon and its own.
   const Vec3d& n = to.point.geometric_normal;
   const bool on_side = cosine > 0 && dot(n, light.direction) * dot(n, to.wo) > 0;
@@ -168,7 +174,7 @@ DirectLight::Candidate DirectLight::from_many_parts(const Receiver& to, std::siz
     const auto s = lights_.sample_light(light, to.point, u, to.facing);
     if (!s) continue;
     const Candidate c = unhindered(to, *s);
-    const double w = luminance(c.radiance);
+    const double w = to.bands.spectral() ? max_component(c.radiance) : luminance(c.radiance);
     if (!(w > 0)) continue;
     total += w;
     // One random number decides every time: its part beyond the decision is uniform again.
@@ -195,7 +201,8 @@ DirectLight::Candidate DirectLight::from_sky(const Receiver& to, PixelSampler& s
   if (!(density > 0)) return {};
   const Rgb f = to.bsdf.evaluate_unsplit(to.wo, s->direction, to.roughness_limit);
   const auto cosine = static_cast<float>(std::abs(dot(to.facing, s->direction)) / density);
-  return {leave(to.point, s->direction), f * cosine * lights_.environment().radiance(s->direction), Rgb(0)};
+  return {leave(to.point, s->direction), f * cosine * to.bands.emission(lights_.environment().radiance(s->direction)),
+          Rgb(0)};
 }
 
 }  // namespace penumbra

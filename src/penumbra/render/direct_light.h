@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "penumbra/math/bands.h"
 #include "penumbra/radiosity/meshing/polygon_shadows.h"
 #include "penumbra/render/pixel_sampler.h"
 #include "penumbra/render/render.h"
@@ -35,7 +36,7 @@ class DirectLight {
   /// points of theirs; of lights with many parts each point is chosen among several by what it would bring unhindered.
   /// Lobes of roughness up to `roughness_limit` are left out.
   [[nodiscard]] Rgb reflected(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
-                              int depth, PixelSampler& sampler, RayCounts& rays) const;
+                              int depth, PixelSampler& sampler, RayCounts& rays, const Bands& bands = {}) const;
 
   /// A shadow ray to one light, and what it brings.
   struct Meeting {
@@ -45,7 +46,8 @@ class DirectLight {
   };
   /// One ray to one light; none when it cannot light the surface at all.
   [[nodiscard]] std::optional<Meeting> meet(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
-                                            double roughness_limit, std::size_t light, PixelSampler& sampler) const;
+                                            double roughness_limit, std::size_t light, PixelSampler& sampler,
+                                            const Bands& bands = {}) const;
 
   [[nodiscard]] const LightSampler& lights() const { return lights_; }
   [[nodiscard]] const Shadow& shadow() const { return shadow_; }
@@ -60,6 +62,7 @@ class DirectLight {
     const Vec3d& wo;
     Vec3d facing;  // shading normal on the side of wo
     double roughness_limit;
+    const Bands& bands;
   };
   // A shadow ray to send, and what it brings when nothing stands in the way.
   struct Candidate {
@@ -73,13 +76,14 @@ class DirectLight {
     Rgb passed{0};
   };
 
-  [[nodiscard]] Receiver receiver(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
-                                  double roughness_limit) const;
+  [[nodiscard]] Receiver receiver(const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo, double roughness_limit,
+                                  const Bands& bands) const;
   [[nodiscard]] Rgb by_rays(const Receiver& to, std::size_t light, int depth, PixelSampler& sampler,
                             RayCounts& rays) const;
   [[nodiscard]] std::optional<Rgb> exactly(const Receiver& to, std::size_t light, int depth, PixelSampler& sampler,
                                            RayCounts& rays) const;
   [[nodiscard]] Rgb open_light(const Receiver& to, std::size_t light, PixelSampler& sampler) const;
+  [[nodiscard]] Rgb flat_radiance(const Receiver& to, std::size_t light) const;
   [[nodiscard]] bool has_body(std::size_t light) const;
 
   [[nodiscard]] Candidate unhindered(const Receiver& to, const LightSample& light) const;

@@ -9,6 +9,7 @@
 #include "penumbra/render/path_survival.h"
 #include "penumbra/render/path_waves.h"
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/render/spectral_sample.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/interior.h"
 #include "penumbra/tracing/shading/light_sampling.h"
@@ -26,6 +27,12 @@ Vec3d facing(const Bsdf& bsdf, const Vec3d& wo) {
   return dot(n, wo) < 0 ? -n : n;
 }
 
+/// From here on the path of the first wavelength is no longer that of the others: it goes on for all three.
+void leave_hero_alone(Rgb& throughput) {
+  if (throughput.y == 0 && throughput.z == 0) return;
+  throughput = Rgb(3 * throughput.x, 0, 0);
+}
+
 /// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance
 /// sampling; Russian roulette ends paths without bias. Where all is matt and lamps are flat, paths are traced in waves
 /// (PathWaves).
@@ -41,8 +48,9 @@ class Path final : public RayIntegrator {
         max_depth_(options.max_depth),
         caustics_(options.caustics),
         front_sides_only_(options.front_sides_only),
+        spectral_(options.spectral),
         camera_(camera) {
-    if (!front_sides_only_) {
+    if (!front_sides_only_ && !spectral_) {
       waves_ = PathWaves::make(tracer, camera_, lights_, {.max_depth = max_depth_, .seed = options.seed});
     }
   }
@@ -52,7 +60,12 @@ class Path final : public RayIntegrator {
     waves_ && !film.has_layers() ? waves_->render(blocks, film, rays) : RayIntegrator::render(blocks, film, rays);
   }
 
-  [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override;
+  [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override {
+    const Bands bands = sample_bands(spectral_, sampler);
+    PixelEstimate seen = follow(ray, bands, sampler, rays);
+    to_rgb(seen, bands);
+    return seen;
+  }
 
  private:
   // The state of a path at its current ray.
@@ -70,10 +83,15 @@ class Path final : public RayIntegrator {
     // Of the ray, until the first bounce with spread: from there on textures are read at points.
     std::optional<RayDifferential> differential;
     Footprint footprint;  // of the surface that it met
+    Bands bands;          // what the components of throughput and light stand for
   };
+
+  [[nodiscard]] PixelEstimate follow(const Ray& ray, const Bands& bands, PixelSampler& sampler, RayCounts& rays) const;
 
   [[nodiscard]] Rgb sky(const Walk& walk) const;
   [[nodiscard]] Rgb emitted(const Walk& walk, const SurfacePoint& point, const SurfaceMaterial& surface) const;
+  [[nodiscard]] static bool was_absorbed(Walk& walk, const Fluorescence& fluorescence, const SurfaceMaterial& surface,
+                                         PixelSampler& sampler);
   [[nodiscard]] Rgb light_by_sampling(const Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, const Vec3d& wo,
                                       PixelSampler& sampler, RayCounts& rays) const;
   // Whether a walk ends here, by depth or Russian roulette; else it is one bounce deeper.
@@ -96,13 +114,15 @@ class Path final : public RayIntegrator {
   int max_depth_;
   bool caustics_;
   bool front_sides_only_;
+  bool spectral_;
   CameraRays camera_;
   std::unique_ptr<PathWaves> waves_;
 };
 
-PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const {
+PixelEstimate Path::follow(const Ray& ray, const Bands& bands, PixelSampler& sampler, RayCounts& rays) const {
   PixelEstimate seen;
   Walk walk;
+  walk.bands = bands;
   walk.ray = ray;
   walk.start = ray.origin;
   if (textures_.any()) walk.differential = camera().differential(ray);
@@ -124,11 +144,12 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
     const SurfacePoint point = tracer_.surface_point(walk.ray, *hit);
     const Vec3d wo = -walk.ray.direction;
     const bool front = dot(point.geometric_normal, wo) > 0;
-    walk.throughput *= walk.interior.transmittance(tracer_.scene(), point, front, length(point.position - walk.start));
+    walk.throughput *=
+        walk.interior.transmittance(tracer_.scene(), point, front, length(point.position - walk.start), walk.bands);
     const Material& material = tracer_.scene().materials[point.material];
     if (front_sides_only_ && !front && material.transmission == 0) return seen;
 
-    const SurfaceMaterial surface = surface_met(walk, point);
+    SurfaceMaterial surface = surface_met(walk, point);
     if (surface.alpha < 1 && sampler.next_1d() >= surface.alpha) {
       count(rays, RayPurpose::refraction, walk.depth);
       walk.start = point.position;
@@ -137,13 +158,20 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
       walk.ray = leave(point, walk.ray.direction);  // seen through; the walk's memory of its last bounce stays
       continue;
     }
-    const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
     Rgb light = walk.throughput * emitted(walk, point, surface);
+    if (walk.bands.spectral() && disperses(material)) leave_hero_alone(walk.throughput);
+    const Frame shading = frame_towards(surface.shading, point.geometric_normal, wo);
+    Bsdf bsdf(surface, shading, point.geometric_normal);
     if (walk.depth == 0) note_surface(seen, ray, point, surface, bsdf, seen.direct);
     if (walk.depth <= 1) seen.direct += light;
     seen.radiance += light;
 
     if (max_depth_ > 0 && walk.depth >= max_depth_) return seen;
+    if (walk.bands.spectral() && material.fluorescence &&
+        was_absorbed(walk, *material.fluorescence, surface, sampler)) {
+      surface.base_colour = Rgb(1);
+      bsdf = Bsdf(surface, shading, point.geometric_normal);
+    }
     if (bsdf.has_spread()) {
       light = walk.throughput * light_by_sampling(walk, point, bsdf, wo, sampler, rays);
       if (walk.depth == 0) seen.direct += light;
@@ -154,10 +182,10 @@ PixelEstimate Path::estimate(const Ray& ray, PixelSampler& sampler, RayCounts& r
 }
 
 SurfaceMaterial Path::surface_met(Walk& walk, const SurfacePoint& point) const {
-  if (!walk.differential) return surface_material(tracer_.scene(), point);
+  if (!walk.differential) return surface_material(tracer_.scene(), point, walk.bands);
   walk.footprint = footprint_of(walk.ray, *walk.differential, point);
   const FilteredTextures::View view(textures_, point, walk.footprint);
-  return surface_material(tracer_.scene(), point, &view);
+  return surface_material(tracer_.scene(), point, walk.bands, &view);
 }
 
 // Before the walk turns to the ray that goes on.
@@ -175,9 +203,28 @@ void Path::turn_differential(Walk& walk, const SurfacePoint& point, const Surfac
   }
 }
 
+// What a fluorescent surface sends along the path it either reflected, at the path's own wavelengths, or absorbed at
+// shorter ones and radiated again. One of the two is followed, with a chance in proportion to what it would carry: when
+// true, the walk goes on at the wavelengths that were absorbed, as if from a white surface.
+bool Path::was_absorbed(Walk& walk, const Fluorescence& fluorescence, const SurfaceMaterial& surface,
+                        PixelSampler& sampler) {
+  const Absorption absorption = sample_absorption(fluorescence, walk.bands, sampler);
+  const auto carried = [&](const Rgb& share) { return max_component(walk.throughput * share); };
+  const float again = carried(absorption.reradiation);
+  if (again == 0) return false;
+  const float chance = again / (again + carried(surface.base_colour));
+  if (static_cast<float>(sampler.next_1d()) >= chance) {
+    walk.throughput /= 1 - chance;
+    return false;
+  }
+  walk.throughput *= absorption.reradiation / chance;
+  walk.bands = absorption.bands;
+  return true;
+}
+
 Rgb Path::sky(const Walk& walk) const {
-  if (walk.mirrors_only) return lights_.seen_in_sky(walk.ray.direction);  // directly or in mirrors
-  const Rgb radiance = lights_.environment().radiance(walk.ray.direction);
+  if (walk.mirrors_only) return walk.bands.emission(lights_.seen_in_sky(walk.ray.direction));  // directly or in mirrors
+  const Rgb radiance = walk.bands.emission(lights_.environment().radiance(walk.ray.direction));
   if (!lights_.environment().lights_surfaces()) return Rgb(0);
   if (walk.bsdf_pdf == 0) return caustics_ ? radiance : Rgb(0);
   return radiance * static_cast<float>(
@@ -205,11 +252,11 @@ Rgb Path::light_by_sampling(const Walk& walk, const SurfacePoint& point, const B
   Interior inside = walk.interior;
   const bool through = dot(point.geometric_normal, wo) * dot(point.geometric_normal, s->direction) < 0;
   inside.cross(tracer_.scene(), point, s->direction, through);
-  const Rgb passed = shadow_.transmittance(s->shadow_ray, inside);
+  const Rgb passed = shadow_.transmittance(s->shadow_ray, inside, walk.bands);
   if (is_black(passed)) return Rgb(0);
   const double share = s->pdf > 0 ? power_heuristic(s->pdf, bsdf.pdf(wo, s->direction)) : 1;
   const double cosine = std::abs(dot(bsdf.shading_normal(), s->direction));
-  return f * passed * s->weight() * static_cast<float>(share * cosine);
+  return f * passed * s->weight(walk.bands) * static_cast<float>(share * cosine);
 }
 
 bool Path::goes_on(Walk& walk, PixelSampler& sampler) {

@@ -41,6 +41,8 @@ void check(const RenderOptions& o) {
   require(o.noise >= 0 && o.noise < 1, "the noise target must lie in 0 to 1");
   require(o.shadow_samples >= 0 && o.shadow_samples <= 1 << 16, "shadow rays to a lamp must be 0 to 65536");
   require(o.final_gather >= 0, "the rays that gather light must not be fewer than 0");
+  require(!o.spectral || o.integrator == IntegratorKind::path || o.integrator == IntegratorKind::whitted,
+          "wavelengths are followed by the integrators path and whitted only");
   require(o.time_limit >= 0, "the time limit must not be negative");
   if (o.region) {
     const Region& r = *o.region;
@@ -55,8 +57,16 @@ void refuse_media(const RayTracer& tracer, const char* integrator) {
                               " knows no fog, smoke or other media; render with whitted or path");
 }
 
+// Coefficients of media are red, green and blue.
+void refuse_media_for_wavelengths(const RayTracer& tracer) {
+  if (Media(tracer.scene()).none()) return;
+  throw std::invalid_argument(
+      "wavelengths are not followed through fog, smoke and other media; leave one of them away");
+}
+
 std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const CameraRays& camera,
                                             const RenderOptions& options) {
+  if (options.spectral) refuse_media_for_wavelengths(tracer);
   switch (options.integrator) {
     case IntegratorKind::appel:
       refuse_media(tracer, "appel");

@@ -60,6 +60,8 @@ struct RenderOptions {
   /// Of appel and whitted: light from flat lamps on matt surfaces by clipping the lamp, without noise, where few
   /// polygons stand in between.
   bool exact_shadows = false;
+  /// Each sample carries three wavelengths in place of red, green and blue (`path` and `whitted`), see Bands.
+  bool spectral = false;
   int final_gather = 0;  ///< two-pass: rays a sample that gather indirect light; 0: interpolated
   std::uint64_t seed = 0;
   double time_limit = 0;  ///< s, 0: none; the samples done by then are the picture

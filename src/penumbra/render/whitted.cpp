@@ -5,6 +5,7 @@
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/render/ray_waves.h"
 #include "penumbra/render/shadow_scout.h"
+#include "penumbra/render/spectral_sample.h"
 #include "penumbra/tracing/shading/specular_tree.h"
 
 namespace penumbra {
@@ -26,9 +27,10 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
         direct_(tracer, options),
         airlight_(direct_.lights(), direct_.shadow()),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
-        min_throughput_(static_cast<float>(options.min_throughput)) {
+        min_throughput_(static_cast<float>(options.min_throughput)),
+        spectral_(options.spectral) {
     if (direct_.is_selective()) direct_.send_more_at(scout_shadows(direct_, tree_, camera, options, first_pass_));
-    if (options.front_sides_only || !direct_.sends_one_ray_each()) return;
+    if (spectral_ || options.front_sides_only || !direct_.sends_one_ray_each()) return;
     waves_ = RayWaves::make(tracer, camera_, direct_.lights(),
                             {.max_depth = max_depth_,
                              .min_throughput = min_throughput_,
@@ -50,7 +52,10 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     PixelEstimate seen;
     count(rays, RayPurpose::primary, 0);
     Eye eye(*this, sampler, rays, seen);
-    seen.radiance = tree_.trace(ray, {.start = ray.origin, .differential = camera().differential(ray)}, eye);
+    const Bands bands = sample_bands(spectral_, sampler);
+    seen.radiance =
+        tree_.trace(ray, {.start = ray.origin, .differential = camera().differential(ray), .bands = bands}, eye);
+    to_rgb(seen, bands);
     return seen;
   }
 
@@ -65,11 +70,8 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
       const Material& material = owner_.tree_.tracer().scene().materials[node.point.material];
       const bool shines = material.unlit || emits_towards(material, node.point.geometric_normal, node.wo);
       Rgb radiance = shines ? node.surface.emission : Rgb(0);
-      radiance += owner_.direct_.lights().ambient() * node.bsdf.diffuse_reflectance();
-      if (node.bsdf.has_spread()) {
-        radiance += owner_.direct_.reflected(node.point, node.bsdf, node.wo, followed_roughness, node.branch.depth,
-                                             sampler_, rays_);
-      }
+      radiance += scattered(node, node.bsdf, node.branch.bands);
+      if (material.fluorescence && node.branch.bands.spectral()) radiance += reradiated(node, *material.fluorescence);
       if (node.branch.depth == 0) {
         note_surface(seen_, node.ray, node.point, node.surface, node.bsdf,
                      airlight_ + node.passed * node.surface.alpha * radiance);
@@ -78,7 +80,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     }
 
     Rgb sky(const Ray& ray, const SpecularTree::Branch& branch) override {
-      const Rgb radiance = owner_.direct_.lights().seen_in_sky(ray.direction);
+      const Rgb radiance = branch.bands.emission(owner_.direct_.lights().seen_in_sky(ray.direction));
       if (branch.depth == 0) note_miss(seen_, airlight_ + radiance);
       return radiance;
     }
@@ -99,6 +101,27 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     }
 
    private:
+    // Light of the lamps and of the ambient term that the surface scatters towards the eye.
+    Rgb scattered(const SpecularTree::Node& node, const Bsdf& bsdf, const Bands& bands) {
+      Rgb radiance = bands.emission(owner_.direct_.lights().ambient()) * bsdf.diffuse_reflectance();
+      if (bsdf.has_spread()) {
+        radiance += owner_.direct_.reflected(node.point, bsdf, node.wo, followed_roughness, node.branch.depth, sampler_,
+                                             rays_, bands);
+      }
+      return radiance;
+    }
+
+    // Light that it absorbs at shorter wavelengths and radiates at the eye's, as a white surface would scatter it.
+    Rgb reradiated(const SpecularTree::Node& node, const Fluorescence& fluorescence) {
+      const Absorption absorption = sample_absorption(fluorescence, node.branch.bands, sampler_);
+      if (is_black(absorption.reradiation)) return Rgb(0);
+      SurfaceMaterial white = node.surface;
+      white.base_colour = Rgb(1);
+      const Bsdf bsdf(white, frame_towards(white.shading, node.point.geometric_normal, node.wo),
+                      node.point.geometric_normal);
+      return absorption.reradiation * scattered(node, bsdf, absorption.bands);
+    }
+
     const Whitted& owner_;
     PixelSampler& sampler_;
     RayCounts& rays_;
@@ -121,6 +144,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
   RayCounts first_pass_;
   int max_depth_;
   float min_throughput_;
+  bool spectral_;
   std::unique_ptr<RayWaves> waves_;
 };
 

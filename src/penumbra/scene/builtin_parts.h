@@ -18,6 +18,9 @@ namespace penumbra {
 [[nodiscard]] Scene make_city(const BuiltinParameters& parameters);
 [[nodiscard]] Scene make_fog(const BuiltinParameters& parameters);
 [[nodiscard]] Scene make_smoke(const BuiltinParameters& parameters);
+[[nodiscard]] Scene make_prism(const BuiltinParameters& parameters);
+[[nodiscard]] Scene make_rainbow(const BuiltinParameters& parameters);
+[[nodiscard]] Scene make_fluorescent(const BuiltinParameters& parameters);
 
 // What they share.
 

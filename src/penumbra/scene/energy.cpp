@@ -21,10 +21,16 @@ SentOn sent_on(const Material& m, const Rgb& base_colour) {
 }  // namespace
 
 SentOn sent_on(const Material& material) {
-  const SentOn first = sent_on(material, material.base_colour);
-  if (!material.checker_colour) return first;
-  const SentOn second = sent_on(material, *material.checker_colour);
-  return first.sum() >= second.sum() ? first : second;
+  SentOn most = sent_on(material, material.base_colour);
+  const auto keep_larger = [&](const SentOn& other) {
+    if (other.sum() > most.sum()) most = other;
+  };
+  if (material.checker_colour) keep_larger(sent_on(material, *material.checker_colour));
+  // All that light of one band becomes, at its own and at longer wavelengths.
+  if (material.fluorescence) {
+    keep_larger({.reflected = static_cast<float>(material.fluorescence->largest_column_sum())});
+  }
+  return most;
 }
 
 std::vector<std::uint32_t> materials_beyond_energy(const Scene& scene) {
@@ -42,6 +48,8 @@ void fix_energy(Scene& scene) {
     m.base_colour *= scale;
     m.mirror *= scale;
     if (m.checker_colour) *m.checker_colour *= scale;
+    if (!m.fluorescence) continue;
+    for (double& share : m.fluorescence->matrix) share *= static_cast<double>(scale);
   }
 }
 

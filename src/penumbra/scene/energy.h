@@ -16,7 +16,8 @@ struct SentOn {
 };
 
 /// What a material's numbers promise to send on. The metallic, dielectric and transmitting parts share the base colour;
-/// an ideal mirror comes on top. (What is drawn never exceeds what arrives: see Bsdf. But then it is not what was
+/// an ideal mirror comes on top; a fluorescent one passes on what its matrix says of the band of which it says most.
+/// (What is drawn never exceeds what arrives: see Bsdf. But then it is not what was
 /// asked for.)
 [[nodiscard]] SentOn sent_on(const Material& material);
 

@@ -82,6 +82,14 @@ void add_material(const Material& m, Hash& ways, Hash& light) {
   (m.metallic > 0 || m.transmission > 0 ? ways : light).add(m.base_colour);
   light.add(m.emission);
   light.add(static_cast<float>(m.double_sided));
+  if (m.fluorescence) {
+    for (const double x : m.fluorescence->edges) light.add(x);
+    for (const double x : m.fluorescence->matrix) light.add(x);
+  }
+  if (m.emission_spectrum) {
+    for (const double x : m.emission_spectrum->edges) light.add(x);
+    for (const double x : m.emission_spectrum->radiance) light.add(x);
+  }
   light.add(m.checker_colour.value_or(Rgb(-1)));
   light.add(m.checker_size);
   for (const auto* ref : {&m.base_colour_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,

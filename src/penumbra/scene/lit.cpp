@@ -10,6 +10,7 @@ namespace penumbra {
 namespace {
 
 bool is_lamp(const Scene& scene, const Material& material) {
+  if (material.emission_spectrum && !material.unlit) return true;  // though it may be seen by dyes alone
   if (!material.emits() || material.unlit) return false;
   if (!material.emission_texture) return true;
   const Texture& texture = scene.textures[material.emission_texture->texture];

@@ -5,7 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "penumbra/math/dispersion.h"
 #include "penumbra/math/spectrum.h"
+#include "penumbra/scene/emission_spectrum.h"
+#include "penumbra/scene/fluorescence.h"
 #include "penumbra/scene/texture.h"
 
 namespace penumbra {
@@ -70,6 +73,15 @@ struct Material {
   /// floor(z / size) is even, in world coordinates, has the first.
   std::optional<Rgb> checker_colour;
   float checker_size = 1;
+
+  // What only spectral rendering shows (RenderOptions::spectral); else the colours above stand for it.
+
+  std::optional<Dispersion> dispersion;  ///< index by wavelength of solid glass; `ior` is that of the d line
+  /// In place of the base colour, within its bands. Of Lambertian materials only: specular, metallic, transmission and
+  /// mirror are 0.
+  std::optional<Fluorescence> fluorescence;
+  /// In place of the emission, which is its colour. Of opaque materials without an emission texture only.
+  std::optional<EmissionSpectrum> emission_spectrum;
 
   std::string extras{};  ///< as Instance::extras
 

@@ -126,6 +126,32 @@ struct ShapeCheck {
   }
 };
 
+// What a part of a material says of itself, with the material's name.
+template <class Part>
+void validate_part(const std::optional<Part>& part, const Subject& subject, const char* what) {
+  if (!part) return;
+  try {
+    validate(*part);
+  } catch (const std::invalid_argument& wrong) {
+    subject.require(false, fmt::format("{} {}", what, wrong.what()));
+  }
+}
+
+void validate_spectra(const Material& m, const Subject& subject) {
+  validate_part(m.fluorescence, subject, "its fluorescence");
+  validate_part(m.emission_spectrum, subject, "its emission spectrum");
+  const bool matt = m.specular == 0 && m.metallic == 0 && m.transmission == 0 && is_black(m.mirror);
+  subject.require(!m.fluorescence || matt,
+                  "only matt surfaces can fluoresce: its specular, metallic, transmission and mirror must be 0");
+  subject.require(!m.emission_spectrum || (!m.emission_texture && m.alpha_mode == AlphaMode::opaque),
+                  "an emission spectrum goes with an opaque surface that has no emission texture");
+  if (!m.dispersion) return;
+  for (double nm = 380; nm <= 780; nm += 1) {
+    const double n = refractive_index(*m.dispersion, nm);
+    subject.require(std::isfinite(n) && n <= 100, fmt::format("its dispersion gives no index at {} nm", nm));
+  }
+}
+
 void validate_material(const Material& m, const Subject& subject, std::size_t texture_count) {
   const bool numbers_are_finite =
       finite(m.base_colour) && finite(m.alpha) && finite(m.alpha_cutoff) && finite(m.metallic) && finite(m.roughness) &&
@@ -136,6 +162,7 @@ void validate_material(const Material& m, const Subject& subject, std::size_t te
   if (m.conductor)
     subject.require(finite(m.conductor->eta) && finite(m.conductor->k), "its metal's index is not finite");
   subject.require(!m.checker_colour || m.checker_size > 0, "its checker_size is not positive");
+  validate_spectra(m, subject);
   for (const auto* use : {&m.base_colour_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
                           &m.transmission_texture, &m.specular_texture, &m.specular_colour_texture}) {
     if (!*use) continue;

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "penumbra/math/bands.h"
 #include "penumbra/scene/scene.h"
 #include "penumbra/tracing/hit.h"
 #include "penumbra/tracing/shading/fresnel.h"
@@ -15,10 +16,10 @@ class Interior {
  public:
   /// What is left of light after the segment that ends at `point`: by the innermost solid, or, when none was entered
   /// (the camera may stand inside one), by the solid whose inside was hit.
-  [[nodiscard]] Rgb transmittance(const Scene& scene, const SurfacePoint& point, bool hit_front,
-                                  double distance) const {
+  [[nodiscard]] Rgb transmittance(const Scene& scene, const SurfacePoint& point, bool hit_front, double distance,
+                                  const Bands& bands = {}) const {
     const auto solid = around(scene, point, hit_front);
-    return solid && is_solid_glass(scene.materials[*solid]) ? absorb(scene.materials[*solid], distance) : Rgb(1);
+    return solid && is_solid_glass(scene.materials[*solid]) ? absorb(scene.materials[*solid], distance, bands) : Rgb(1);
   }
 
   /// The material of the innermost; none in the open.
@@ -56,8 +57,8 @@ class Interior {
  private:
   static bool encloses(const Material& m) { return is_solid_glass(m) || m.medium.has_value(); }
   static bool is_solid_glass(const Material& m) { return m.transmission > 0 && !m.thin_walled; }
-  static Rgb absorb(const Material& m, double distance) {
-    return volume_transmittance(m.attenuation_colour, m.attenuation_distance, distance);
+  static Rgb absorb(const Material& m, double distance, const Bands& bands) {
+    return volume_transmittance(bands.reflectance(m.attenuation_colour), m.attenuation_distance, distance);
   }
 
   std::array<std::uint32_t, 8> solids_{};

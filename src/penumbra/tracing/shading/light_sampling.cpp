@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "penumbra/math/sampling.h"
+#include "penumbra/tracing/shading/surface_material.h"
 #include "penumbra/tracing/shape_intersection.h"
 
 namespace penumbra {
@@ -29,6 +30,8 @@ std::size_t find_cell(const std::vector<double>& cdf, double u) {
 
 bool is_lamp(const Material& m) { return m.emits() && !m.unlit; }
 
+const EmissionSpectrum* spectrum_of(const Material& m) { return m.emission_spectrum ? &*m.emission_spectrum : nullptr; }
+
 double sides(const Material& m) { return m.double_sided ? 2.0 : 1.0; }
 
 }  // namespace
@@ -44,6 +47,11 @@ double spot_window(const SpotLight& spot, const Vec3d& from_light) {
   const double scale = 1 / std::max(0.001, std::cos(spot.inner_angle) - outer);
   const double a = std::clamp((dot(spot.direction, from_light) - outer) * scale, 0.0, 1.0);
   return a * a;
+}
+
+Rgb LightSample::weight(const Bands& bands) const {
+  if (!spectrum || !bands.spectral()) return bands.emission(weight());
+  return spectrum_in(*spectrum, bands) / static_cast<float>(pdf);
 }
 
 bool emits_towards(const Material& material, const Vec3d& geometric_normal, const Vec3d& direction) {
@@ -233,6 +241,16 @@ void LightSampler::make_choice() {
   for (double& c : far_cdf_) c /= all_power;
 }
 
+const EmissionSpectrum* LightSampler::spectrum(std::size_t light) const {
+  const Source& source = lights_[light];
+  if (source.kind == Kind::shape) {
+    return spectrum_of(scene_->materials[scene_->shapes[source.index - scene_->instances.size()].material]);
+  }
+  if (source.kind != Kind::mesh) return nullptr;
+  const Mesh& mesh = scene_->meshes[scene_->instances[source.index].mesh];
+  return spectrum_of(scene_->materials[mesh.material_of(source.triangles.front())]);
+}
+
 std::optional<LightSample> LightSampler::sample_light(std::size_t light, const SurfacePoint& from, const Vec2d& u,
                                                       const Vec3d& facing) const {
   const Source& source = lights_[light];
@@ -361,6 +379,7 @@ std::optional<LightSample> LightSampler::towards(const SurfacePoint& from, const
   if (cosine <= 0 || !emits_towards(material, light.geometric_normal, -s.direction)) return std::nullopt;
   s.pdf = area_pdf * distance2 / cosine;
   s.radiance = emission_at(*scene_, light);
+  s.spectrum = spectrum_of(material);
   if (!(s.pdf > 0) || !std::isfinite(s.pdf) || is_black(s.radiance)) return std::nullopt;
   s.shadow_ray = segment(from, light);
   return s;
@@ -405,6 +424,7 @@ std::optional<LightSample> LightSampler::sample_shape(const Source& source, cons
       s.pdf = 1 / (2 * pi * one_minus_cos);
       light.uv[0] = light.uv[1] = shape_point(object.shape, light.position).uv;
       s.radiance = emission_at(*scene_, light);
+      s.spectrum = spectrum_of(scene_->materials[object.material]);
       s.shadow_ray = segment(from, light);
       return s;
     }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "penumbra/math/bands.h"
 #include "penumbra/tracing/hit.h"
 #include "penumbra/tracing/shading/environment_map.h"
 #include "penumbra/tracing/shading/lamp_points.h"
@@ -17,9 +18,12 @@ struct LightSample {
   Rgb radiance{0};     ///< W/(m^2 sr); for a light without a body, irradiance W/m^2 on a surface that faces it
   double pdf = 0;      ///< 1/sr, of choosing this direction; 0 for a light without a body
   Ray shadow_ray;      ///< what must be free for the light to arrive
+  const EmissionSpectrum* spectrum = nullptr;  ///< of a lamp that has one: `radiance` is its colour
 
   /// What the incoming light counts for, to be multiplied by f |cos|.
   [[nodiscard]] Rgb weight() const { return pdf > 0 ? radiance / static_cast<float>(pdf) : radiance; }
+  /// The same in a sample's bands.
+  [[nodiscard]] Rgb weight(const Bands& bands) const;
 };
 
 /// All lights of a scene, for shadow rays: punctual lights, emissive objects (each a light of its own) and the
@@ -57,6 +61,8 @@ class LightSampler {
 
   /// The middle of a light's bounds, world; none for what has no place: far lights and the environment.
   [[nodiscard]] std::optional<Vec3d> place(std::size_t light) const { return places_[light]; }
+  /// The spectrum of a lamp that has one (of a mesh: of its first shining triangle); else null.
+  [[nodiscard]] const EmissionSpectrum* spectrum(std::size_t light) const;
 
   /// A direction towards one light; none when it cannot light the point at all.
   /// @param facing unit normal of the side to be lit: an environment without a picture is then sampled by the cosine

@@ -53,7 +53,7 @@ struct Shadow::Passage {
 };
 
 // Takes the ray through the surface that it met. False when it ends there: nothing passed, or its end is reached.
-bool Shadow::go_through(Passage& way, const Hit& hit) const {
+bool Shadow::go_through(Passage& way, const Hit& hit, const Bands& bands) const {
   const Scene& scene = tracer_->scene();
   const Vec3d direction = way.rest.direction;
   const SurfacePoint point = tracer_->surface_point(way.rest, hit);
@@ -64,7 +64,7 @@ bool Shadow::go_through(Passage& way, const Hit& hit) const {
   }
   if (through_glass_ && material.transmission > 0 && !material.thin_walled) {
     if (dot(point.geometric_normal, direction) > 0) {
-      way.passed *= volume_transmittance(material.attenuation_colour, material.attenuation_distance,
+      way.passed *= volume_transmittance(bands.reflectance(material.attenuation_colour), material.attenuation_distance,
                                          length(point.position - way.entered));
     }
     way.entered = point.position;
@@ -76,7 +76,7 @@ bool Shadow::go_through(Passage& way, const Hit& hit) const {
     way.passed *= media_.transmittance(way.interior.around(scene, point, front), before);
     way.interior.cross(scene, point, direction, true);
   }
-  way.passed *= crossing(surface_material(scene, point), point.geometric_normal, direction, through_glass_);
+  way.passed *= crossing(surface_material(scene, point, bands), point.geometric_normal, direction, through_glass_);
   if (is_black(way.passed)) return false;
   const double t_max = way.rest.t_max;
   way.rest = leave(point, direction);
@@ -87,7 +87,7 @@ bool Shadow::go_through(Passage& way, const Hit& hit) const {
   return true;
 }
 
-Rgb Shadow::transmittance(const Ray& ray, const Interior& inside) const {
+Rgb Shadow::transmittance(const Ray& ray, const Interior& inside, const Bands& bands) const {
   const bool clear = media_.none();
   if (binary_) {
     if (tracer_->occluded(ray)) return Rgb(0);
@@ -97,7 +97,7 @@ Rgb Shadow::transmittance(const Ray& ray, const Interior& inside) const {
   for (int crossed = 0; crossed < most_surfaces; ++crossed) {
     const auto hit = tracer_->nearest(way.rest);
     if (!hit) return clear ? way.passed : way.passed * media_.transmittance(way.interior.innermost(), way.rest);
-    if (!go_through(way, *hit)) return way.passed;
+    if (!go_through(way, *hit, bands)) return way.passed;
   }
   return Rgb(0);
 }
@@ -150,7 +150,7 @@ void Shadow::transmittance(RayPacket& rays, bool coherent, std::array<Rgb, RayPa
       }
       Passage& way = *ways[k];
       if (hits.object[i] != HitPacket::no_hit &&
-          go_through(way, {hits.t[i], hits.object[i], hits.primitive[i], {hits.u[i], hits.v[i]}})) {
+          go_through(way, {hits.t[i], hits.object[i], hits.primitive[i], {hits.u[i], hits.v[i]}}, {})) {
         put(way.rest, i, blocked);
         continue;
       }

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "penumbra/math/bands.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/interior.h"
 #include "penumbra/tracing/shading/media.h"
@@ -21,7 +22,7 @@ class Shadow {
 
   /// The share of light that passes along the ray's interval, 0..1 per band.
   /// @param inside the closed surfaces that the ray starts in, as far as media matter.
-  [[nodiscard]] Rgb transmittance(const Ray& ray, const Interior& inside = {}) const;
+  [[nodiscard]] Rgb transmittance(const Ray& ray, const Interior& inside = {}, const Bands& bands = {}) const;
 
   /// The same for the active lanes of a packet; lanes along which nothing passes fall asleep.
   /// @param coherent see RayTracer::occluded. @pre media().none().
@@ -33,7 +34,7 @@ class Shadow {
 
  private:
   struct Passage;
-  [[nodiscard]] bool go_through(Passage& way, const Hit& hit) const;
+  [[nodiscard]] bool go_through(Passage& way, const Hit& hit, const Bands& bands) const;
   [[nodiscard]] bool passes(const HitPacket& hits, int lane) const;
 
   const RayTracer* tracer_;

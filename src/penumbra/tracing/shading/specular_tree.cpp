@@ -14,7 +14,7 @@ Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) 
   const SurfacePoint point = tracer_.surface_point(ray, *hit);
   const Vec3d wo = -ray.direction;
   const bool front = dot(point.geometric_normal, wo) > 0;
-  Rgb passed = branch.interior.transmittance(scene, point, front, length(point.position - branch.start));
+  Rgb passed = branch.interior.transmittance(scene, point, front, length(point.position - branch.start), branch.bands);
   Rgb scattered(0);
   if (!media_.none()) {
     Stretch way{ray, branch.interior.around(scene, point, front), branch};
@@ -28,24 +28,29 @@ Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) 
   const bool filtered = textures_ != nullptr && differential;
   const Footprint footprint = filtered ? footprint_of(ray, *differential, point) : Footprint{};
   const auto view = filtered ? std::optional(FilteredTextures::View(*textures_, point, footprint)) : std::nullopt;
-  const SurfaceMaterial surface = surface_material(scene, point, view ? &*view : nullptr);
+  const SurfaceMaterial surface = surface_material(scene, point, branch.bands, view ? &*view : nullptr);
   const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, wo), point.geometric_normal);
   Node node{ray, point, surface, bsdf, wo, front, passed, branch};
   node.branch.weight *= passed * surface.alpha;
   Rgb radiance = visitor.surface(node);
-  const SpecularSplit split = bsdf.specular_split(wo, followed_roughness);
-  if (!is_black(split.reflected)) {
-    radiance +=
-        follow(point, node.branch, split.reflection_direction, split.reflected, false, visitor,
-               filtered ? std::optional(reflected(tracer_, ray, *differential, footprint, point, bsdf.shading_normal()))
-                        : std::nullopt);
-  }
-  if (!is_black(split.refracted)) {
-    radiance +=
-        follow(point, node.branch, split.refraction_direction, split.refracted, true, visitor,
-               filtered ? std::optional(refracted(tracer_, ray, *differential, footprint, point, bsdf.shading_normal(),
-                                                  split.refraction_direction, relative_index(surface, front)))
-                        : std::nullopt);
+  const Material& material = scene.materials[point.material];
+  if (branch.bands.spectral() && disperses(material)) {
+    radiance += follow_dispersed(node, *material.dispersion, visitor);
+  } else {
+    const SpecularSplit split = bsdf.specular_split(wo, followed_roughness);
+    if (!is_black(split.reflected)) {
+      radiance += follow(
+          point, node.branch, split.reflection_direction, split.reflected, false, visitor,
+          filtered ? std::optional(reflected(tracer_, ray, *differential, footprint, point, bsdf.shading_normal()))
+                   : std::nullopt);
+    }
+    if (!is_black(split.refracted)) {
+      radiance += follow(
+          point, node.branch, split.refraction_direction, split.refracted, true, visitor,
+          filtered ? std::optional(refracted(tracer_, ray, *differential, footprint, point, bsdf.shading_normal(),
+                                             split.refraction_direction, relative_index(surface, front)))
+                   : std::nullopt);
+    }
   }
   radiance *= surface.alpha;
   if (surface.alpha < 1) {
@@ -54,6 +59,31 @@ Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) 
                        filtered ? std::optional(passed_on(*differential, footprint)) : std::nullopt);
   }
   return scattered + passed * radiance;
+}
+
+// Each wavelength has its own index, and so its own way on and its own share of the one mirror ray.
+Rgb SpecularTree::follow_dispersed(const Node& node, const Dispersion& dispersion, Visitor& visitor) const {
+  Rgb radiance(0);
+  Rgb reflected(0);
+  Vec3d reflection(0);
+  SurfaceMaterial surface = node.surface;
+  const Frame frame = frame_towards(surface.shading, node.point.geometric_normal, node.wo);
+  for (int k = 0; k < 3; ++k) {
+    if (node.branch.weight[k] == 0) continue;
+    surface.ior =
+        static_cast<float>(refractive_index(dispersion, node.branch.bands.wavelengths()[static_cast<std::size_t>(k)]));
+    const SpecularSplit split =
+        Bsdf(surface, frame, node.point.geometric_normal).specular_split(node.wo, followed_roughness);
+    reflected[k] = split.reflected[k];
+    if (reflected[k] > 0) reflection = split.reflection_direction;
+    Rgb refracted(0);
+    refracted[k] = split.refracted[k];
+    if (refracted[k] > 0) {
+      radiance += follow(node.point, node.branch, split.refraction_direction, refracted, true, visitor);
+    }
+  }
+  if (!is_black(reflected)) radiance += follow(node.point, node.branch, reflection, reflected, false, visitor);
+  return radiance;
 }
 
 Rgb SpecularTree::follow(const SurfacePoint& point, const Branch& from, const Vec3d& direction, const Rgb& weight,
@@ -65,7 +95,9 @@ Rgb SpecularTree::follow(const SurfacePoint& point, const Branch& from, const Ve
                .depth = from.depth + 1,
                .start = point.position,
                .interior = from.interior,
-               .differential = differential};
+               .differential = differential,
+
+               .bands = from.bands};
   child.interior.cross(tracer_.scene(), point, direction, refracted);
   visitor.count(refracted, child.depth);
   return times * weight * trace(leave(point, direction), child, visitor);

@@ -26,6 +26,7 @@ class SpecularTree {
     Vec3d start{0};  ///< the point that it leaves, m; the ray itself starts a rounding error beside it
     Interior interior{};
     std::optional<RayDifferential> differential{};  ///< of the ray; none: textures are read at points
+    Bands bands{};                                  ///< what the components of weight and radiance stand for
   };
   /// A surface met.
   struct Node {
@@ -69,7 +70,8 @@ class SpecularTree {
         front_sides_only_(front_sides_only),
         textures_(textures != nullptr && textures->any() ? textures : nullptr) {}
 
-  /// What comes back along a ray, W/(m^2 sr) if the visitor answers so.
+  /// What comes back along a ray, W/(m^2 sr) if the visitor answers so. With wavelengths a ray that glass disperses is
+  /// refracted three times, each time for one of them.
   Rgb trace(const Ray& ray, const Branch& branch, Visitor& visitor) const;
   /// What a ray of the visitor's own choice brings to a node, times `weight`. @param direction unit.
   /// @param refracted whether it goes through the surface. @param differential of that ray, if it is known.
@@ -79,6 +81,8 @@ class SpecularTree {
   [[nodiscard]] const RayTracer& tracer() const { return tracer_; }
 
  private:
+  Rgb follow_dispersed(const Node& node, const Dispersion& dispersion, Visitor& visitor) const;
+
   const RayTracer& tracer_;
   Media media_;
   bool front_sides_only_;

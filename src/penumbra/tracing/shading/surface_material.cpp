@@ -111,6 +111,38 @@ SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point,
   return surface;
 }
 
+Rgb spectrum_in(const EmissionSpectrum& spectrum, const Bands& bands) {
+  Rgb light(0);
+  for (int k = 0; k < 3; ++k) light[k] = static_cast<float>(spectrum.at(bands.wavelengths()[k]));
+  return light;
+}
+
+SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point, const Bands& bands,
+                                 const FilteredTextures::View* filtered) {
+  SurfaceMaterial surface = surface_material(scene, point, filtered);
+  if (!bands.spectral()) return surface;
+  const Material& material = scene.materials[point.material];
+  surface.base_colour = bands.reflectance(surface.base_colour);
+  surface.specular_colour = bands.reflectance(surface.specular_colour);
+  surface.mirror = bands.reflectance(surface.mirror);
+  if (surface.conductor) {
+    surface.conductor->eta = bands.reflectance(surface.conductor->eta);
+    surface.conductor->k = bands.reflectance(surface.conductor->k);
+  }
+  surface.emission =
+      material.emission_spectrum ? spectrum_in(*material.emission_spectrum, bands) : bands.emission(surface.emission);
+  if (disperses(material)) {
+    surface.ior = static_cast<float>(refractive_index(*material.dispersion, bands.wavelengths()[0]));
+  }
+  if (!material.fluorescence) return surface;
+  for (int k = 0; k < 3; ++k) {
+    const double wavelength = bands.wavelengths()[k];
+    if (band_of(material.fluorescence->edges, wavelength) == material.fluorescence->bands()) continue;
+    surface.base_colour[k] = static_cast<float>(material.fluorescence->reflectance(wavelength));
+  }
+  return surface;
+}
+
 Frame frame_towards(const Frame& shading, const Vec3d& geometric_normal, const Vec3d& wo) {
   constexpr double least_cosine = 0.01;
   const double side = glm::dot(geometric_normal, wo);

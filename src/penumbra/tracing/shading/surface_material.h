@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "penumbra/math/bands.h"
 #include "penumbra/math/frame.h"
 #include "penumbra/math/spectrum.h"
 #include "penumbra/scene/scene.h"
@@ -40,6 +41,19 @@ struct SurfaceMaterial {
   if (surface.thin_walled || !(surface.ior > 0)) return 1;
   const auto ior = static_cast<double>(surface.ior);
   return front ? 1 / ior : ior;
+}
+
+/// The same in a sample's bands: colours become values at its wavelengths, a fluorescent surface has its ordinary
+/// reflectance there, and glass that disperses has the index that the hero sees.
+[[nodiscard]] SurfaceMaterial surface_material(const Scene& scene, const SurfacePoint& point, const Bands& bands,
+                                               const FilteredTextures::View* filtered = nullptr);
+
+/// A lamp's spectrum in a sample's bands, W/(m^2 sr nm). @pre bands.spectral().
+[[nodiscard]] Rgb spectrum_in(const EmissionSpectrum& spectrum, const Bands& bands);
+
+/// Whether the way of a ray through the material depends on its wavelength: solid glass with a dispersion.
+[[nodiscard]] inline bool disperses(const Material& material) {
+  return material.dispersion && material.transmission > 0 && !material.thin_walled;
 }
 
 /// `shading` bent just so far that `wo` sees its front: interpolated normals and normal maps turn away from the eye
