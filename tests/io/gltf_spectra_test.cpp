@@ -11,6 +11,7 @@
 #include "penumbra/file/file_error.h"
 #include "penumbra/io/gltf_writer.h"
 #include "penumbra/scene/builtin_scenes.h"
+#include "test_paths.h"
 
 namespace penumbra::test {
 namespace {

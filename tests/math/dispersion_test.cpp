@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "test_paths.h"
+
 namespace penumbra {
 namespace {
 

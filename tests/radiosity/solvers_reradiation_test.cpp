@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "penumbra/radiosity/solvers/solver.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

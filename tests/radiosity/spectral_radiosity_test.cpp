@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "penumbra/scene/builtin_scenes.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -14,6 +14,7 @@
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/specular_tree.h"
 #include "render/probe.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {

@@ -9,6 +9,7 @@
 #include "penumbra/scene/energy.h"
 #include "penumbra/scene/lit.h"
 #include "penumbra/scene/scene.h"
+#include "test_paths.h"
 
 namespace penumbra {
 namespace {
