@@ -93,7 +93,8 @@ bool PacketSurfaces::all_matt() const {
   }
   for (const Instance& i : scene_->instances) {
     const Mesh& mesh = scene_->meshes[i.mesh];
-    if (!i.motion.empty() || !mesh.colours.empty() || !std::all_of(mesh.materials.begin(), mesh.materials.end(), matt)) return false;
+    if (!i.motion.empty() || !mesh.colours.empty() || !std::all_of(mesh.materials.begin(), mesh.materials.end(), matt))
+      return false;
   }
   return true;
 }

@@ -36,7 +36,8 @@ class PacketSurfaces {
  public:
   explicit PacketSurfaces(const Scene& scene);
 
-  /// Whether everything in the scene rests and is matt, of one colour and without mirrors, so that no lane needs to be shaded by itself.
+  /// Whether everything in the scene rests and is matt, of one colour and without mirrors, so that no lane needs to be
+  /// shaded by itself.
   [[nodiscard]] bool all_matt() const;
 
   /// Asks for what `gather` will read, of all lanes at once: in large scenes memory is what it waits for.
