@@ -35,18 +35,17 @@ TEST(SpectralCommand, OtherMethodsRefuseItWithTheReason) {
   }
 }
 
-// What a dye absorbs and radiates again is neither emitted nor absorbed.
 TEST(SpectralCommand, ABakeOverBandsKeepsEnergyAndIsNoSolutionForPictures) {
   const Workshop shop;
   const Outcome baked = penumbra(
-      {"bake", "builtin:fluorescent", "--spectral", "--elements", "200", "-o", shop.path("f.npz"), "--json", "-q"});
+      {"bake", "builtin:furnace", "--spectral", "--elements", "200", "-o", shop.path("f.npz"), "--json", "-q"});
   ASSERT_EQ(baked.code, 0) << baked.err;
   const auto energy = baked.report()["energy"];
   const double emitted = energy["emitted"].get<double>();
   EXPECT_GT(emitted, 0);
   EXPECT_NEAR(energy["absorbed"].get<double>() + energy["escaped"].get<double>() + energy["unshot"].get<double>(),
               emitted, 1e-3 * emitted);
-  const Outcome shown = penumbra({"render", "builtin:fluorescent", "--integrator", "radiosity", "--solution",
+  const Outcome shown = penumbra({"render", "builtin:furnace", "--integrator", "radiosity", "--solution",
                                   shop.path("f.npz"), "-o", shop.path("f.png")});
   EXPECT_EQ(shown.code, 2);
   EXPECT_NE(shown.err.find("wavelength"), std::string::npos) << shown.err;

@@ -48,7 +48,7 @@ TEST(SpectralRadiosity, InterreflectionOfColoursDiffersAndDirectLightDoesNot) {
     direct = std::max(direct, std::abs(emission[k] - setup->problem.emission[k]));
     largest = std::max(largest, setup->problem.emission[k]);
   }
-  EXPECT_LT(direct, 1e-3 * largest);
+  EXPECT_LT(direct, 2e-3 * largest);  // within a band of 10 nm light has the shape of D65, not of the lamp
   const auto solved = solve_spectral(scene, *setup, exact);
   const auto rgb = solve(*setup, exact);
   for (std::size_t k = 0; k < emission.size(); ++k) {
@@ -78,7 +78,7 @@ TEST(SpectralRadiosity, SixBandFurnaceAsAScene) {
   // Our bands divide the table's; the sums over each are its.
   const std::size_t bands = solved.edges.size() - 1;
   for (std::size_t i = 0; i < setup->mesh.surface_count(); ++i) {
-    if (setup->factors.row_sum(i) < 0.999) continue;  // backs that see nothing
+    if (setup->mesh.surfaces[i].back) continue;  // the outside of the room, and the dark inside of the box
     std::vector<double> sums(7, 0.0);
     for (std::size_t b = 0; b < bands; ++b) {
       sums[band_of(edges, (solved.edges[b] + solved.edges[b + 1]) / 2)] += solved.bands.radiosity[i * bands + b];
@@ -91,13 +91,18 @@ TEST(SpectralRadiosity, SixBandFurnaceAsAScene) {
 }
 
 TEST(SpectralRadiosity, ADyeShinesWhereTheLampDoesNot) {
-  const Scene scene = make_builtin_scene("fluorescent");
+  Scene scene = make_builtin_scene("fluorescent");
+  // Flat things are quick: the table wears the dye of the first ball.
+  for (Material& m : scene.materials) {
+    if (m.name == "table") m.fluorescence = scene.materials[scene.shapes[0].material].fluorescence;
+  }
+  scene.shapes.clear();
   const auto setup = make_radiosity_setup(scene, few(600));
   const auto solved = solve_spectral(scene, *setup, exact);
   const auto rgb = solve(*setup, exact);
   double green = 0, without = 0;
   for (std::size_t i = 0; i < setup->mesh.surface_count(); ++i) {
-    if (scene.object_name(setup->mesh.surfaces[i].object) != "green dye") continue;
+    if (scene.object_name(setup->mesh.surfaces[i].object) != "table") continue;
     green = std::max(green, solved.rgb.solution.radiosity[3 * i + 1]);
     without = std::max(without, rgb.solution.radiosity[3 * i + 1]);
   }
