@@ -188,7 +188,9 @@ TEST(Dispersion, RainbowAngles) {
   Scene scene;
   add_shape(scene, Sphere{{0, 0, 0}, 1}, glass(1.33F));
   const RayTracer tracer(scene);
-  for (const auto& row : optics()["rainbow"]["table"]) {
+  const auto table = optics()["rainbow"]["table"];
+  ASSERT_FALSE(table.empty());
+  for (const auto& row : table) {
     const double n = row["n"].get<double>();
     // Angle between the way to the sun and the way back to it: the largest of one reflection, the least of two.
     const auto angle = [&](double height, int mirrored) {

@@ -174,14 +174,14 @@ std::uint32_t SamplePoints::on_side_of(const Place& point, std::uint32_t texel) 
 std::uint32_t SamplePoints::have_something_on_them(std::uint32_t first, int count) const {
   std::uint32_t covered = 0;
   // To the corners of each texel, which may lie beyond its face: only what stands in between counts.
-  for (const auto& [right, down] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {-0.5, 0.5}, {0.5, 0.5}}) {
+  for (const Vec2d& corner_step : {Vec2d(-0.5, -0.5), Vec2d(0.5, -0.5), Vec2d(-0.5, 0.5), Vec2d(0.5, 0.5)}) {
     covered |= hidden_lanes(tracer_, count, [&](int i) -> std::optional<Ray> {
       if (((covered >> i) & 1U) != 0) return std::nullopt;
       const std::uint32_t texel = first + static_cast<std::uint32_t>(i);
       const TexelMap::Steps steps = map_.steps(texels_.triangles[texel]);
       const Place middle = (*this)[texel];
       Place corner = middle;
-      corner.position = texels_.positions[texel] + right * steps.right + down * steps.down;
+      corner.position = texels_.positions[texel] + corner_step.x * steps.right + corner_step.y * steps.down;
       return sight_line(middle, corner);
     });
   }

@@ -108,9 +108,9 @@ class SceneReader {
   /// The way that a node goes while the shutter is open. @param made what becomes of a placement.
   Motion motion_of(const GltfNode& node, const std::function<Mat4d(const Mat4d&)>& made) const {
     if (!options_.shutter || !node.moves) return {};
-    const auto [opens, closes] = *options_.shutter;
-    return sampled_motion(
-        [&](double share) { return made(nodes_.to_world(node.index, opens + share * (closes - opens))); });
+    const double opens = options_.shutter->opens;
+    const double open_for = options_.shutter->closes - opens;
+    return sampled_motion([&](double share) { return made(nodes_.to_world(node.index, opens + share * open_for)); });
   }
 
   void note_still_light(const JsonPlace& node) {
