@@ -68,9 +68,9 @@ class RowSink {
 };
 
 // What the matrix may take of what is left, the rest is for the method that fills it.
-double matrix_memory() {
+double matrix_memory(const CommonOptions& options) {
   constexpr double share = 0.7;
-  return share * memory_left();
+  return share * std::min(options.max_memory.value_or(memory_left()), memory_left());
 }
 
 // Even a full matrix fits: 24 bytes an entry while it is assembled, and the sorting's room.
@@ -281,7 +281,7 @@ int write_matrix(const FactorArguments& arguments) {
   const auto writer = shows ? nullptr : make_matrix_writer(arguments.output);
   FactorSummary summary;
   RowSink sink(summary, writer.get(), shown, mesh.surface_count());
-  const double memory = matrix_memory();
+  const double memory = matrix_memory(arguments.common);
   if (fits_in_memory(mesh.surface_count(), memory)) {
     assemble_in_memory(*method, mesh, arguments, progress, summary, sink);
   } else {

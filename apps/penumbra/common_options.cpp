@@ -21,7 +21,8 @@ void add_common_options(OptionParser& parser, CommonOptions& options) {
       [&](const OptionValue& v) { options.threads = static_cast<int>(whole_number(v, 1, most_threads, "threads")); });
   parser.value(
       "--max-memory", "BYTES",
-      "the most memory to take, such as 4e9 (default: 80 % of what the machine has); what would need more ends "
+      "the most memory to take, such as 4e9, at least 128e6 (default: 80 % of what the machine has); what would need "
+      "more ends "
       "with a sentence",
       [&](const OptionValue& v) { options.max_memory = number_above_zero(v, "a number of bytes, such as 4e9"); });
   parser.value("--seed", "N",

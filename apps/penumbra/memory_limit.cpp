@@ -49,7 +49,8 @@ MemoryLimit::MemoryLimit(std::optional<double> bytes, int threads) {
   rlimit limit{};
   ::getrlimit(RLIMIT_DATA, &limit);
   before_ = limit.rlim_cur;
-  const double allowed = data_bytes() + bytes.value_or(share * machine_bytes()) + threads * stack_bytes();
+  const double asked = std::max(least_memory, bytes.value_or(share * machine_bytes()));
+  const double allowed = data_bytes() + asked + threads * stack_bytes();
   if (allowed < static_cast<double>(before_)) set_soft_limit(static_cast<rlim_t>(allowed));
 }
 
