@@ -33,7 +33,7 @@ constexpr double bytes_a_pair = 8;
 constexpr double full_row = 0.98;
 constexpr double most_sides = 0.9;
 constexpr double negligible_leak = 1e-4;  // of the power emitted
-constexpr double notable_excess = 0.02;   // of a row's sum over 1
+constexpr double notable_excess = 0.05;   // of a row's sum over 1
 
 class Stopwatch {
  public:
