@@ -8,10 +8,10 @@
 namespace penumbra::test {
 namespace {
 
-/// One triangle of a thousand in each of `nodes` nodes, the same mesh every time; returns the path.
+/// A glTF of `nodes` nodes that share one mesh, which names the same triangle `triangles` times; returns the path.
 std::string instanced(const Workshop& shop, int nodes, int triangles) {
   nlohmann::json gltf = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
-  // A strip between positions that are all zero but for those of a view: x = 1 at the second, y = 1 at the third.
+  // Three corners as little-endian floats, 0 but for x of the second and y of the third, which are 1.
   const std::string corners("\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80?\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80?\0\0\0\0", 36);
   std::string hex;
   for (const unsigned char c : corners) {

@@ -96,7 +96,6 @@ Rgb SpecularTree::follow(const SurfacePoint& point, const Branch& from, const Ve
                .start = point.position,
                .interior = from.interior,
                .differential = differential,
-
                .bands = from.bands};
   child.interior.cross(tracer_.scene(), point, direction, refracted);
   visitor.count(refracted, child.depth);
