@@ -197,7 +197,7 @@ TEST(HostileScenes, BoxesTurnedInsideOutInAFurnaceAreUnseen) {
         Dice dice(3);
         return boxes(dice, 2);
       },
-      4e-3);  // four times the tolerance: where boxes cut into each other, auto's estimates are too low
+      2e-3);
 }
 
 TEST(HostileScenes, HardlyAnythingIsAbsorbed) {

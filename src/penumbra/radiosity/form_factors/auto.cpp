@@ -236,8 +236,12 @@ void AutoFormFactors::Impl::Worker::patch_row(std::size_t a, std::size_t lane, s
     if (!surveys) {
       patch_pair(slot, b * PatchClusters::lanes + l, (open.straddling & bit) != 0, (in_part & bit) != 0);
     } else if ((in_part & bit) != 0) {
-      (*surveys)[lane].by_area += impl.clusters.area[b * PatchClusters::lanes + l] / impl.total_area;
-      (*surveys)[lane].by_value += open.exchange[l] / impl.clusters.area[slot];
+      const double area = impl.clusters.area[b * PatchClusters::lanes + l];
+      // What is not known well may be all that there can be.
+      const double most = std::min(area, impl.clusters.area[slot]);
+      const double exchange = (open.straddling & bit) != 0 ? most : std::min(open.exchange[l] + open.error[l], most);
+      (*surveys)[lane].by_area += area / impl.total_area;
+      (*surveys)[lane].by_value += exchange / impl.clusters.area[slot];
       (*surveys)[lane].pairs += 1;
     }
   }

@@ -13,16 +13,18 @@ constexpr int nodes = 4;
 constexpr double kink_share = 0.2, step_share = 1;
 // What the nodes may overlook, of the open exchange: a strip up to the first node (0.069), where the view opens
 // linearly; of a narrower strip's width: there it may open at once; between two lines all, up to the gap of two nodes.
-constexpr double overlooked_share = 3e-3, overlooked_strip = 0.1, overlooked_step = 0.17, overlooked_step_strip = 0.5;
+constexpr double overlooked_share = 3e-3, overlooked_strip = 0.1, overlooked_step = 0.17, overlooked_step_strip = 1;
 constexpr double first_node = 0.05;            // a line closer to the rim than about this is not seen by the nodes
 constexpr double expected_share = 0.25;        // the mean error is at most this share of the estimate for slow views
 constexpr double touching = 1e-6;              // of a cell's size
 constexpr double layer = 2, layer_growth = 4;  // where layers end, in an edge's heights over the receiver
+constexpr double low_rim = 0.1;                // height of an edge of the source, of its and the receiver's size
 constexpr std::size_t most_lined = 64;         // edges whose shadow lines are looked for
 constexpr std::size_t most_meeting = 48;       // edges whose meetings are looked for
 constexpr double negligible_balance = 1e-5;    // what such a rim can add is below notice
 constexpr double loose_tolerance = 0.01;       // relative
 constexpr double open_share = 0.2;             // of the allowed error, that of the exchange without occluders
+constexpr double rough_share = 0.5;            // error up to which it is a scale
 constexpr double exact_share = 1e-12;          // error of the closed form as a share of the smaller area
 // Of the exchange without blockers, and of what may be missed: next to nothing is nothing. Where a wall's corners meet
 // those of its neighbours, moved by 1e-8 of their size, a closed room would let that through.
@@ -133,7 +135,6 @@ bool ObstructedExchange::clip_pair(std::span<const Vec3d> receiver, const Plane3
   lines_.clear();
   silhouette_.clear();
   if (receiver_.size() < 3 || source_.size() < 3) return false;
-  open_factor_ = open.exchange / polygon_area(receiver_);
   fragments_.set_source(source_);
   return true;
 }
@@ -219,8 +220,9 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   std::size_t count = 1;
   if (cells_.size() < 3) cells_.resize(3);
   cells_[0].polygon = receiver_;
-  // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
   find_poles();
+  if (!uniform()) open_factor_ = open_exchange(rough_share * open_.exchange).exchange / polygon_area(receiver_);
+  // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
   if (!uniform()) find_shadow_lines();
   if (!uniform() && relative < loose_tolerance && max_cells > 1) {
     if (best_cut(receiver_).balance > first_cut_balance && split(cells_[0], cells_[1], cells_[2])) {
@@ -302,6 +304,7 @@ void ObstructedExchange::find_shadow_lines() {
   if (all_lines_known_) find_meeting_lines();
   if (silhouette_.edges().size() > most_lined) return;
   const auto vertices = silhouette_.vertices();
+  find_rims();
   for (const Silhouette::Edge& edge : silhouette_.edges()) find_layers(vertices[edge.from], vertices[edge.to]);
   for (std::size_t a = 0; a < source_.size(); ++a) {
     const Vec3d& corner = source_[a];
@@ -333,6 +336,30 @@ void ObstructedExchange::find_layers(const Vec3d& from, const Vec3d& to) {
       const Plane3 plane{normal, offset + (end < 0 ? -at : at)};
       if (!is_cut(receiver_, plane)) break;
       lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::layer});
+    }
+  }
+}
+
+/// Adds lines below the source's edges that are close above the receiver, and along them: within about its height such
+/// an edge fills half the view or none of it.
+void ObstructedExchange::find_rims() {
+  const Vec3d& up = receiver_plane_.normal;
+  const double receiver_size = polygon_size(receiver_);
+  for (std::size_t a = 0; a < source_.size(); ++a) {
+    const Vec3d& from = source_[a];
+    const Vec3d& to = source_[a + 1 == source_.size() ? 0 : a + 1];
+    const double height = 0.5 * (receiver_plane_.distance(from) + receiver_plane_.distance(to));
+    const Vec3d across = cross(up, to - from);
+    const double size = length(across);
+    if (!(height > touching * size) || height > low_rim * std::min(size, receiver_size)) continue;
+    const Vec3d normal = across / size;
+    const double offset = dot(normal, 0.5 * (from + to));
+    for (const double side : {-1.0, 1.0}) {
+      for (double at = side > 0 ? 0 : layer * height;; at = at > 0 ? at * layer_growth : layer * height) {
+        const Plane3 plane{normal, offset + side * at};
+        if (!is_cut(receiver_, plane)) break;
+        lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::layer});
+      }
     }
   }
 }

@@ -109,6 +109,7 @@ class ObstructedExchange {
   ExchangeEstimate open_exchange(double allowed);
   void find_meeting_lines();
   void find_poles();
+  void find_rims();
   void find_layers(const Vec3d& from, const Vec3d& to);
   [[nodiscard]] bool touches(std::span<const Vec3d> cell, std::span<const Vec3d> points) const;
   [[nodiscard]] Cut best_cut(std::span<const Vec3d> cell) const;
