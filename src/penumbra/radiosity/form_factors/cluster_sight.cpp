@@ -1,6 +1,8 @@
 #include "penumbra/radiosity/form_factors/cluster_sight.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "penumbra/radiosity/form_factors/shaft.h"
 
@@ -13,27 +15,47 @@ constexpr double plane_margin = 8;  // times an occluder's slack: closer to a pl
 }  // namespace
 
 ClusterSight::ClusterSight(const OccluderIndex& index, const PatchClusters& clusters)
-    : index_(index), clusters_(clusters), listed_of_(index.occluders().size()) {}
+    : index_(index), clusters_(clusters), fronts_of_(clusters.size()), listed_of_(index.occluders().size()) {}
 
 Vec3d ClusterSight::centroid(std::size_t slot) const {
   return {clusters_.centroid[0][slot], clusters_.centroid[1][slot], clusters_.centroid[2][slot]};
 }
 
-/// The lanes of a cluster whose patches' planes occluder k is clear above.
-std::uint32_t ClusterSight::above(std::size_t cluster, std::uint32_t k) const {
-  const auto polygon = index_.occluders().polygon(k);
-  const double least = plane_margin * index_.occluders().slack[k];
-  const auto is_above = [&](std::size_t lane) {
-    const std::size_t slot = cluster * PatchClusters::lanes + lane;
-    const Vec3d normal{clusters_.normal[0][slot], clusters_.normal[1][slot], clusters_.normal[2][slot]};
-    const double offset = clusters_.offset[slot] + least;
-    return std::all_of(polygon.begin(), polygon.end(), [&](const Vec3d& v) { return dot(normal, v) > offset; });
-  };
-  if (clusters_.clusters[cluster].flat) return is_above(0) ? all_lanes : 0;
-  std::uint32_t lanes = 0;
-  for (std::size_t lane = 0; lane < PatchClusters::lanes; ++lane)
-    if (is_above(lane)) lanes |= 1U << lane;
-  return lanes;
+/// The lanes of a cluster whose patches' planes occluder k is clear above, and those that it is behind.
+ClusterSight::Lanes ClusterSight::against_planes(std::size_t cluster, std::uint32_t k) const {
+  constexpr std::size_t lanes = PatchClusters::lanes;
+  const std::size_t first = cluster * lanes;
+  std::array<double, lanes> low, high;
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-std::numeric_limits<double>::infinity());
+  for (const Vec3d& v : index_.occluders().polygon(k)) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t slot = first + lane;
+      const double height = clusters_.normal[0][slot] * v.x + clusters_.normal[1][slot] * v.y +
+                            clusters_.normal[2][slot] * v.z - clusters_.offset[slot];
+      low[lane] = std::min(low[lane], height);
+      high[lane] = std::max(high[lane], height);
+    }
+  }
+  const double slack = index_.occluders().slack[k];
+  Lanes found;
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    if (low[lane] > plane_margin * slack) found.above |= 1U << lane;
+    if (high[lane] <= slack) found.behind |= 1U << lane;
+  }
+  return found;
+}
+
+/// Whether for all of cluster a occluder k is the back of a convex solid.
+bool ClusterSight::is_back(std::uint32_t k) {
+  const std::uint32_t body = index_.occluders().body[k];
+  if (body == ConvexBodies::no_body) return false;
+  if (fronts_of_ != a_) {
+    fronts_.assign(index_.occluders().bodies.size(), {});
+    fronts_of_ = a_;
+  }
+  if (!fronts_[body].known) fronts_[body] = index_.fronts(clusters_.clusters[a_], body);
+  return index_.is_back(clusters_.clusters[a_], k, fronts_[body]);
 }
 
 /// Where an occluder is in listed_, `dropped`, or `none`.
@@ -50,17 +72,21 @@ void ClusterSight::list() {
   }
   listed_.clear();
   for (std::uint32_t k : found_) {
+    Listed one;
+    one.occluder = k;
+    const Lanes at_a = against_planes(a_, k), at_b = against_planes(b_, k);
+    if (at_a.behind == all_lanes || at_b.behind == all_lanes) continue;  // as if it had not been found
     // What is seen from behind hides nothing that the fronts do not.
-    if (index_.is_back(first, k)) {
+    if (is_back(k)) {
       listed_of_[k] = {now_, dropped};
       continue;
     }
-    Listed one;
-    one.occluder = k;
+    one.above_a = at_a.above;
+    one.above_b = at_b.above;
+    one.behind_a = at_a.behind;
+    one.behind_b = at_b.behind;
     one.side_a = index_.side(first, k);
     one.side_b = index_.side(second, k);
-    one.above_a = above(a_, k);
-    one.above_b = above(b_, k);
     one.clear = one.above_a == all_lanes && one.above_b == all_lanes;
     one.surface = all_lanes;
     listed_of_[k] = {now_, static_cast<std::uint32_t>(listed_.size())};
@@ -218,7 +244,7 @@ std::uint32_t ClusterSight::look(std::size_t lane, std::uint32_t& facing) {
   const Shaft shaft(bounds_of_patch(lane), clusters_.clusters[b_].bounds);
   for (Listed& one : listed_) {
     if (one.silent()) continue;
-    if (shaft.misses(index_.occluders().bounds[one.occluder])) {
+    if (((one.behind_a >> lane) & 1) != 0 || shaft.misses(index_.occluders().bounds[one.occluder])) {
       one.seen = {};
       one.seen.visible = ~0U;
       continue;
@@ -226,6 +252,8 @@ std::uint32_t ClusterSight::look(std::size_t lane, std::uint32_t& facing) {
     one.seen = lane_visibility(clusters_, a_, lane, tables_.data() + one.table_a, b_, tables_.data() + one.table_b,
                                index_.planes(one.occluder).size(), index_.occluders().slack[one.occluder], facing,
                                inside_.data() + one.inside);
+    one.seen.visible |= one.behind_b;
+    one.seen.hidden &= ~one.behind_b;
     one.surface = ((one.above_a >> lane) & 1) != 0 ? one.above_b : 0;
     facing &= ~one.seen.hidden;
     if (facing == 0) return 0;

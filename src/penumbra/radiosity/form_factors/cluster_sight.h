@@ -44,14 +44,15 @@ class ClusterSight {
   static constexpr std::uint32_t none = OccluderPolygons::none, dropped = none - 1;
   struct Listed {
     std::uint32_t occluder = 0;
-    signed char side_a = 0, side_b = 0;      // that the clusters are on, 0: on both
-    std::uint32_t above_a = 0, above_b = 0;  // lanes of the clusters whose patches' planes it is clear above
-    bool clear = false;                      // above all of them
-    std::uint32_t surface = 0;               // lanes of b for which it is of the surface, from the lane looked from
-    bool rim = false;                        // has an edge in rims_
-    std::size_t table_a = 0, table_b = 0;    // its corner distances in tables_
-    std::size_t inside = 0;                  // its edges' lanes in inside_
-    LaneVisibility seen;                     // from the lane looked from
+    signed char side_a = 0, side_b = 0;        // that the clusters are on, 0: on both
+    std::uint32_t above_a = 0, above_b = 0;    // lanes of the clusters whose patches' planes it is clear above
+    std::uint32_t behind_a = 0, behind_b = 0;  // and those that it is behind, where it hides nothing
+    bool clear = false;                        // above all of them
+    std::uint32_t surface = 0;                 // lanes of b for which it is of the surface, from the lane looked from
+    bool rim = false;                          // has an edge in rims_
+    std::size_t table_a = 0, table_b = 0;      // its corner distances in tables_
+    std::size_t inside = 0;                    // its edges' lanes in inside_
+    LaneVisibility seen;                       // from the lane looked from
     [[nodiscard]] bool silent() const { return clear && !rim; }
   };
   /// An edge of one polygon, or of two that are joined there.
@@ -62,7 +63,11 @@ class ClusterSight {
     std::uint32_t live_first = 0, live_second = 0;  // lanes in which it is a rim of the first, of the second
   };
   void list();
-  [[nodiscard]] std::uint32_t above(std::size_t cluster, std::uint32_t k) const;
+  struct Lanes {
+    std::uint32_t above = 0, behind = 0;
+  };
+  [[nodiscard]] Lanes against_planes(std::size_t cluster, std::uint32_t k) const;
+  [[nodiscard]] bool is_back(std::uint32_t k);
   [[nodiscard]] std::uint32_t listed_at(std::uint32_t occluder) const;
   void find_rims();
   void add_rim(std::uint32_t n, std::uint32_t corner);
@@ -78,6 +83,8 @@ class ClusterSight {
   const PatchClusters& clusters_;
   std::size_t a_ = 0, b_ = 0, lane_ = 0;
   std::vector<std::uint32_t> found_;
+  std::vector<OccluderIndex::Fronts> fronts_;  // per convex solid, those that cluster fronts_of_ sees
+  std::size_t fronts_of_ = 0;
   std::vector<Listed> listed_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> listed_of_;  // per occluder: when it was listed last, and where
   std::uint32_t now_ = 0;

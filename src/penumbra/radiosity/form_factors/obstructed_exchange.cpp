@@ -19,6 +19,7 @@ constexpr double expected_share = 0.25;        // the mean error is at most this
 constexpr double touching = 1e-6;              // of a cell's size
 constexpr double layer = 2, layer_growth = 4;  // where layers end, in an edge's heights over the receiver
 constexpr double low_rim = 0.1;                // height of an edge of the source, of its and the receiver's size
+constexpr double many_edges = 12;              // more: a round outline, whose edges each have a small part in the error
 constexpr std::size_t most_lined = 64;         // edges whose shadow lines are looked for
 constexpr std::size_t most_meeting = 48;       // edges whose meetings are looked for
 constexpr double negligible_balance = 1e-5;    // what such a rim can add is below notice
@@ -221,6 +222,8 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   if (cells_.size() < 3) cells_.resize(3);
   cells_[0].polygon = receiver_;
   find_poles();
+  const double averaged = std::min(1.0, many_edges / std::max(1.0, static_cast<double>(silhouette_.edges().size())));
+  caution_ = caution_of_pair_ * std::pow(averaged, 4);
   if (!uniform()) open_factor_ = open_exchange(rough_share * open_.exchange).exchange / polygon_area(receiver_);
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
   if (!uniform()) find_shadow_lines();

@@ -51,7 +51,7 @@ class ObstructedExchange {
 
   /// How much of the largest error that is possible an estimate holds, 0..1: 1 for a pair alone, 1 / sqrt(n) for one of
   /// n whose errors are added up. It is no less than what is to be expected.
-  void set_caution(double caution) { caution_ = caution; }
+  void set_caution(double caution) { caution_of_pair_ = caution; }
 
   /// Whether what stands between hides the same from all points: nothing, or when covered() all.
   [[nodiscard]] bool uniform() const { return silhouette_.edges().empty(); }
@@ -128,7 +128,7 @@ class ObstructedExchange {
   std::vector<Vec3d> poles_, contacts_;  // corners of silhouette and source on the receiver's plane
   std::vector<bool> turning_;            // per plane of the silhouette: an edge asks for it
   bool all_lines_known_ = false;
-  double caution_ = 1;
+  double caution_of_pair_ = 1, caution_ = 1;  // the second less where errors of many edges add up
   std::vector<WeightedPoint> points_;
   std::vector<double> x_, y_, z_, seen_, hidden_;
   std::vector<Cell> cells_;

@@ -69,6 +69,10 @@ OccluderIndex::OccluderIndex(const OccluderPolygons& occluders) : occluders_(occ
     }
     plane_offsets_.push_back(static_cast<std::uint32_t>(planes_.size()));
   }
+  body_slack_.resize(occluders.bodies.size(), 0.0);
+  for (std::size_t k = 0; k < occluders.size(); ++k)
+    if (const std::uint32_t body = occluders.body[k]; body != ConvexBodies::no_body)
+      body_slack_[body] = std::max(body_slack_[body], occluders.slack[k]);
   order_.resize(occluders.size());
   std::iota(order_.begin(), order_.end(), 0U);
   if (!order_.empty()) {
@@ -215,17 +219,25 @@ Sight OccluderIndex::between(const PatchClusters::Cluster& a, const PatchCluster
   return found.empty() ? Sight::visible : Sight::partial;
 }
 
-bool OccluderIndex::is_back(const PatchClusters::Cluster& a, std::size_t k) const {
-  const std::uint32_t body = occluders_.body[k];
-  if (body == ConvexBodies::no_body) return false;
-  const double slack = occluders_.slack[k];
-  const auto all = [&](auto holds) { return std::all_of(a.box.begin(), a.box.end(), holds); };
-  if (!all([&](const Vec3d& v) { return occluders_.planes[k].distance(v) <= slack; })) return false;
+OccluderIndex::Fronts OccluderIndex::fronts(const PatchClusters::Cluster& a, std::uint32_t body) const {
+  Fronts found{true, 0, {}};
   const auto faces = occluders_.bodies.body_planes(body);
-  return std::any_of(faces.begin(), faces.end(), [&](const Plane3& face) {
-    return dot(face.normal, occluders_.planes[k].normal) < 1 - 1e-9 &&
-           all([&](const Vec3d& v) { return face.distance(v) >= -slack; });
-  });
+  const double slack = body_slack_[body];
+  for (std::uint32_t f = 0; f < faces.size() && found.count < found.faces.size(); ++f) {
+    if (std::all_of(a.box.begin(), a.box.end(), [&](const Vec3d& v) { return faces[f].distance(v) >= -slack; }))
+      found.faces[found.count++] = f;
+  }
+  return found;
+}
+
+bool OccluderIndex::is_back(const PatchClusters::Cluster& a, std::size_t k, const Fronts& fronts) const {
+  if (fronts.count == 0) return false;
+  const Plane3& own = occluders_.planes[k];
+  const double slack = occluders_.slack[k];
+  if (!std::all_of(a.box.begin(), a.box.end(), [&](const Vec3d& v) { return own.distance(v) <= slack; })) return false;
+  const auto faces = occluders_.bodies.body_planes(occluders_.body[k]);
+  return std::any_of(fronts.faces.begin(), fronts.faces.begin() + fronts.count,
+                     [&](std::uint32_t f) { return dot(faces[f].normal, own.normal) < 1 - 1e-9; });
 }
 
 }  // namespace penumbra

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -29,9 +30,18 @@ class OccluderIndex {
   [[nodiscard]] Sight between(const PatchClusters::Cluster& a, const PatchClusters::Cluster& b,
                               std::vector<std::uint32_t>& found) const;
 
+  /// Faces of a convex solid whose fronts all of a cluster sees: the first two.
+  struct Fronts {
+    bool known = false;
+    std::uint32_t count = 0;
+    std::array<std::uint32_t, 2> faces{};  ///< into the solid's planes
+  };
+  [[nodiscard]] Fronts fronts(const PatchClusters::Cluster& a, std::uint32_t body) const;
+
   /// Whether occluder k is the back of a convex solid for all of `a`, which is outside it: it may hide alone what two
   /// fronts hide together, but the union of all that hides is the same without it.
-  [[nodiscard]] bool is_back(const PatchClusters::Cluster& a, std::size_t k) const;
+  /// @param fronts those of its solid.
+  [[nodiscard]] bool is_back(const PatchClusters::Cluster& a, std::size_t k, const Fronts& fronts) const;
 
   /// Which side of occluder k all of the cluster is on: +1 its front, -1 its back; 0 when it is on both or in its
   /// plane.
@@ -56,6 +66,7 @@ class OccluderIndex {
   const OccluderPolygons& occluders_;
   std::vector<std::uint32_t> plane_offsets_{0};
   std::vector<Plane3> planes_;
+  std::vector<double> body_slack_;  // per convex solid, the most of its faces
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
 };
