@@ -214,33 +214,74 @@ TEST(Auto, EstimateHoldsForAPlateCloseToTheReceiver) {
   }
 }
 
-// Plates at heights of 1e-4 to 0.4 over a unit square, in front of one that faces it.
+/// Plates at heights of 1e-4 to 0.4 over a unit square, in front of one that faces it.
+PolygonModel plates_over_a_square(Dice& dice, int run) {
+  PolygonModel model;
+  add_rectangle(model, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  add_rectangle(model, {dice.between(-0.5, 0.3), dice.between(-0.5, 0.3), dice.between(0.5, 1.5)}, {0, 1, 0},
+                {1, 0, 0});
+  for (int k = 0; k <= run % 3; ++k)
+    add_rectangle(model, {dice.between(-0.2, 0.9), dice.between(-0.2, 0.9), std::pow(10, dice.between(-4, -0.4))},
+                  {dice.between(0.1, 0.8), 0, 0}, {0, dice.between(0.1, 0.8), 0});
+  return model;
+}
+
+Vec3d in_a_cube(Dice& dice, double half) {
+  return {dice.between(-half, half), dice.between(-half, half), dice.between(-half, half)};
+}
+
+/// Plates anywhere, turned anyhow, many of them through each other.
+PolygonModel plates_anywhere(Dice& dice, int run) {
+  PolygonModel model;
+  for (int k = 0; k < 3 + run % 4; ++k) {
+    const Vec3d u = normalize(in_a_cube(dice, 1)), v = normalize(cross(u, in_a_cube(dice, 1)));
+    const Vec3d corner = in_a_cube(dice, 0.7);
+    add_rectangle(model, corner, dice.between(0.1, 1) * u, dice.between(0.1, 1) * v);
+  }
+  return model;
+}
+
+/// Plates above each other by 1e-3 to 1, tilted a little, so that close ones cross.
+PolygonModel stacked_plates(Dice& dice, int run) {
+  PolygonModel model;
+  double height = 0;
+  for (int k = 0; k < 3 + run % 3; ++k) {
+    const double tilt = std::pow(10, dice.between(-4, -1));
+    const Vec3d u = normalize(Vec3d(1, 0, 0) + in_a_cube(dice, tilt));
+    const Vec3d v = normalize(cross(Vec3d(0, 0, 1) + in_a_cube(dice, 0.01), u));
+    const Vec3d corner(dice.between(-0.5, 0.5), dice.between(-0.5, 0.5), height);
+    const Vec3d along = dice.between(0.2, 1) * u, across = dice.between(0.2, 1) * v;
+    if (dice.between(0, 1) < 0.5)
+      add_rectangle(model, corner, along, across);
+    else
+      add_rectangle(model, corner, across, along);
+    height += std::pow(10, dice.between(-3, 0));
+  }
+  return model;
+}
+
+// Against the same at 1e-7. An estimate is not a bound: a few rows may err by more, none by more than the tolerance.
 TEST(Auto, EstimatesHoldForPlatesAtRandom) {
-  Dice dice(5);
-  int rows = 0, held = 0;
-  for (int run = 0; run < 12; ++run) {
-    PolygonModel model;
-    add_rectangle(model, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-    add_rectangle(model, {dice.between(-0.5, 0.3), dice.between(-0.5, 0.3), dice.between(0.5, 1.5)}, {0, 1, 0},
-                  {1, 0, 0});
-    for (int k = 0; k <= run % 3; ++k)
-      add_rectangle(model, {dice.between(-0.2, 0.9), dice.between(-0.2, 0.9), std::pow(10, dice.between(-4, -0.4))},
-                    {dice.between(0.1, 0.8), 0, 0}, {0, dice.between(0.1, 0.8), 0});
-    const PatchMesh mesh = make_patch_mesh(model).mesh;
-    const FactorMatrix truth = matrix_of(mesh, 1e-7);
-    for (double tolerance : {1e-2, 1e-4}) {
-      const FactorMatrix m = matrix_of(mesh, tolerance);
-      for (std::size_t i = 0; i < m.rows(); ++i) {
-        double error = 0;
-        for (std::size_t j = 0; j < m.rows(); ++j) error += std::abs(m.at(i, j) - truth.at(i, j));
-        EXPECT_LE(error, 4 * tolerance) << "run " << run << " row " << i;
-        EXPECT_LE(error, 4 * (m.row_errors[i] + truth.row_errors[i]) + 1e-8) << "run " << run << " row " << i;
-        ++rows;
-        if (error <= m.row_errors[i] + truth.row_errors[i] + 1e-8) ++held;
+  for (const auto& plates : {plates_over_a_square, plates_anywhere, stacked_plates}) {
+    Dice dice(5);
+    int rows = 0, held = 0;
+    for (int run = 0; run < 15; ++run) {
+      const PatchMesh mesh = make_patch_mesh(plates(dice, run)).mesh;
+      const FactorMatrix truth = matrix_of(mesh, 1e-7);
+      for (double tolerance : {1e-2, 1e-3, 1e-4}) {
+        const FactorMatrix m = matrix_of(mesh, tolerance);
+        for (std::size_t i = 0; i < m.rows(); ++i) {
+          double error = 0;
+          for (std::size_t j = 0; j < m.rows(); ++j) error += std::abs(m.at(i, j) - truth.at(i, j));
+          EXPECT_LE(error, tolerance + truth.row_errors[i]) << "run " << run << " row " << i;
+          EXPECT_LE(error, 6 * (m.row_errors[i] + truth.row_errors[i]) + 1e-8) << "run " << run << " row " << i;
+          ++rows;
+          if (error <= m.row_errors[i] + truth.row_errors[i] + 1e-8) ++held;
+        }
       }
     }
+    EXPECT_GE(held, rows * 98 / 100);
   }
-  EXPECT_GE(held, rows * 9 / 10);
 }
 
 TEST(Auto, ToleranceBoundsEachRowsError) {
