@@ -13,6 +13,7 @@
 #include "penumbra/radiosity/meshing/element_builder.h"
 #include "penumbra/radiosity/meshing/uniform.h"
 #include "penumbra/radiosity/pipeline/weakened_factors.h"
+#include "penumbra/radiosity/solvers/direct.h"
 #include "penumbra/radiosity/solvers/energy_balance.h"
 #include "penumbra/radiosity/solvers/factor_rows.h"
 #include "penumbra/radiosity/solvers/shooting.h"
@@ -92,6 +93,7 @@ void make_elements(const Scene& scene, const RadiositySetupOptions& options, con
 }
 
 void refuse_what_does_not_fit(const RadiositySetupOptions& options, std::size_t elements) {
+  if (options.solver == "direct") refuse_what_direct_does_not_take(elements);
   const double bytes = bytes_a_pair * static_cast<double>(elements) * static_cast<double>(elements);
   if (options.factor_memory <= 0 || bytes <= options.factor_memory) return;
   throw std::invalid_argument(
@@ -143,11 +145,12 @@ double absorbed_by_backs(const RadiositySetup& setup, const RadiositySolution& s
 }
 
 // Factors are no more exact than their method, and faces that lie on one another in part count twice. Where light would
-// grow by it, or rows are far above 1, they are limited.
+// grow by it, or rows are far above 1, they are limited. What mirrors and glass pass on has rows of its own.
 void keep_from_making_light(RadiositySetup& setup) {
   double excess = 0;
   bool grows = false;
   for (std::size_t i = 0; i < setup.factors.rows(); ++i) {
+    if (!setup.passes_light.empty() && setup.passes_light[i]) continue;
     const double sum = setup.factors.row_sum(i);
     excess = std::max(excess, sum - 1);
     for (std::size_t b = 0; b < 3; ++b) {
@@ -159,9 +162,9 @@ void keep_from_making_light(RadiositySetup& setup) {
   (void)limit_row_sums(setup.factors);
   if (excess < notable_excess) return;
   setup.warnings.push_back(fmt::format(
-      "form factors of an element sum to {:.3g}, more than 1: faces that lie on one another count twice, or "
-      "the method is too rough; they were lowered so that no light is made (penumbra check names such "
-      "faces)",
+      "form factors of an element sum to {:.3g}, more than 1: faces that lie on one another count twice (penumbra "
+      "check names them), a closed body with two-sided faces stands on another face, or the method is too rough; they "
+      "were lowered so that no light is made",
       1 + excess));
 }
 

@@ -44,14 +44,17 @@ Eigen::MatrixXd system_matrix(const FactorMatrix& factors, const SpecularTranspo
 
 }  // namespace
 
+void refuse_what_direct_does_not_take(std::size_t elements) {
+  if (elements <= most_direct_elements) return;
+  throw std::invalid_argument(
+      fmt::format("the direct solver takes at most {} elements, not {}; use gauss-seidel or shooting",
+                  most_direct_elements, elements));
+}
+
 RadiositySolution solve_direct(const RadiosityProblem& problem, const FactorMatrix& factors,
                                const SolverOptions& options) {
   const RadiosityEquation equation(problem, factors);
-  if (problem.element_count() > most_direct_elements) {
-    throw std::invalid_argument(
-        fmt::format("the direct solver takes at most {} elements, not {}; use gauss-seidel or shooting",
-                    most_direct_elements, problem.element_count()));
-  }
+  refuse_what_direct_does_not_take(problem.element_count());
   const std::size_t bands = problem.bands;
   std::vector<double> radiosity = equation.source();
   std::optional<Factorisation> lu;
