@@ -14,19 +14,14 @@ constexpr double kink_share = 0.2, step_share = 1;
 // What the nodes may overlook, of the open exchange: a strip up to the first node (0.069), where the view opens
 // linearly; of a narrower strip's width: there it may open at once; between two lines all, up to the gap of two nodes.
 constexpr double overlooked_share = 3e-3, overlooked_strip = 0.1, overlooked_step = 0.17, overlooked_step_strip = 1;
-constexpr double first_node = 0.05;            // a line closer to the rim than about this is not seen by the nodes
-constexpr double expected_share = 0.25;        // the mean error is at most this share of the estimate for slow views
-constexpr double touching = 1e-6;              // of a cell's size
-constexpr double layer = 2, layer_growth = 4;  // where layers end, in an edge's heights over the receiver
-constexpr double low_rim = 0.1;                // height of an edge of the source, of its and the receiver's size
-constexpr double many_edges = 12;              // more: a round outline, whose edges each have a small part in the error
-constexpr std::size_t most_lined = 64;         // edges whose shadow lines are looked for
-constexpr std::size_t most_meeting = 48;       // edges whose meetings are looked for
-constexpr double negligible_balance = 1e-5;    // what such a rim can add is below notice
-constexpr double loose_tolerance = 0.01;       // relative
-constexpr double open_share = 0.2;             // of the allowed error, that of the exchange without occluders
-constexpr double rough_share = 0.5;            // error up to which it is a scale
-constexpr double exact_share = 1e-12;          // error of the closed form as a share of the smaller area
+constexpr double first_node = 0.05;       // a line closer to the rim than about this is not seen by the nodes
+constexpr double expected_share = 0.25;   // the mean error is at most this share of the estimate for slow views
+constexpr double touching = 1e-6;         // of a cell's size
+constexpr double many_edges = 12;         // more: a round outline, whose edges each have a small part in the error
+constexpr double loose_tolerance = 0.01;  // relative
+constexpr double open_share = 0.2;        // of the allowed error, that of the exchange without occluders
+constexpr double rough_share = 0.5;       // error up to which it is a scale
+constexpr double exact_share = 1e-12;     // error of the closed form as a share of the smaller area
 // Of the exchange without blockers, and of what may be missed: next to nothing is nothing. Where a wall's corners meet
 // those of its neighbours, moved by 1e-8 of their size, a closed room would let that through.
 constexpr double seam_share = 1e-6, seam_tolerance = 0.1;
@@ -99,30 +94,6 @@ void clip_cleanly(std::span<const Vec3d> polygon, const Plane3& plane, std::vect
   }
 }
 
-/// Whether a segment in the plane of a convex polygon passes through it.
-bool meets_segment(std::span<const Vec3d> polygon, const Vec3d& normal, const Vec3d& p, const Vec3d& q) {
-  double from = 0, to = 1;
-  for (std::size_t c = 0; c < polygon.size(); ++c) {
-    const Vec3d inwards = cross(normal, polygon[c + 1 == polygon.size() ? 0 : c + 1] - polygon[c]);
-    const double dp = dot(inwards, p - polygon[c]), dq = dot(inwards, q - polygon[c]);
-    if (dp < 0 && dq < 0) return false;
-    if (dp < 0) from = std::max(from, dp / (dp - dq));
-    if (dq < 0) to = std::min(to, dp / (dp - dq));
-  }
-  return from <= to;
-}
-
-/// Whether a polygon has corners on both sides of a plane.
-bool is_cut(std::span<const Vec3d> polygon, const Plane3& plane) {
-  bool front = false, back = false;
-  for (const Vec3d& v : polygon) {
-    const double d = plane.distance(v);
-    front |= d > 0;
-    back |= d < 0;
-  }
-  return front && back;
-}
-
 }  // namespace
 
 /// Whether something of both is left.
@@ -155,7 +126,8 @@ void ObstructedExchange::set_pair(std::span<const Vec3d> receiver, const Plane3&
 }
 
 /// Replaces what stands in the cell by the rule's sums over `points_`.
-void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink_of_seen, const Cut& kink_of_hidden) {
+void ObstructedExchange::apply_rule(Cell& cell, const ShadowLines::Cut& kink_of_seen,
+                                    const ShadowLines::Cut& kink_of_hidden) {
   const std::size_t count =
       (points_.size() + VisibleFragments::group - 1) / VisibleFragments::group * VisibleFragments::group;
   for (auto* v : {&x_, &y_, &z_, &seen_, &hidden_})
@@ -171,7 +143,7 @@ void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink_of_seen, const C
   for (std::size_t k = 0; k < count; ++k) hidden_[k] -= seen_[k];
 
   constexpr std::size_t tensor = nodes * nodes;
-  const auto error_of = [&](const RuleError& e, const Cut& kink) {
+  const auto error_of = [&](const RuleError& e, const ShadowLines::Cut& kink) {
     double expected = kink.balance > first_node ? kink_share * e.irregular : e.smooth;
     double possible = kink.balance > first_node ? (kink.lines > 1 ? step_share : kink_share) * e.irregular : e.smooth;
     expected = std::max(expected, open_factor_ * std::min(overlooked_share, overlooked_strip * kink.balance));
@@ -180,7 +152,7 @@ void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink_of_seen, const C
                                                        : std::min(overlooked_share, overlooked_strip * kink.balance)));
     return std::max(expected_share * expected, caution_ * possible);
   };
-  const auto sum = [&](const std::vector<double>& values, const Cut& kink) {
+  const auto sum = [&](const std::vector<double>& values, const ShadowLines::Cut& kink) {
     ExchangeEstimate e;
     for (std::size_t first = 0; first + tensor <= points_.size(); first += tensor) {
       double area = 0;
@@ -198,12 +170,12 @@ void ObstructedExchange::apply_rule(Cell& cell, const Cut& kink_of_seen, const C
 
 void ObstructedExchange::evaluate(Cell& cell) {
   polygon_rule(cell.polygon, nodes, points_);
-  constexpr Cut everywhere{nullptr, 1, 2}, somewhere{nullptr, 1, 1};
-  Cut kink;
+  constexpr ShadowLines::Cut everywhere{nullptr, 1, 2}, somewhere{nullptr, 1, 1};
+  ShadowLines::Cut kink;
   if (!uniform() && touches(cell.polygon, poles_))
     kink = everywhere;
   else if (!uniform())
-    kink = all_lines_known_ ? best_cut(cell.polygon) : somewhere;
+    kink = lines_.all_known() ? lines_.best_cut(cell.polygon) : somewhere;
   apply_rule(cell, touches(cell.polygon, contacts_) ? everywhere : kink, kink);
 }
 
@@ -226,9 +198,9 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   caution_ = caution_of_pair_ * std::pow(averaged, 4);
   if (!uniform()) open_factor_ = open_exchange(rough_share * open_.exchange).exchange / polygon_area(receiver_);
   // Across a shadow line the first values would not do: cut there at once when the tolerance is tight.
-  if (!uniform()) find_shadow_lines();
+  if (!uniform()) lines_.find(receiver_, receiver_plane_, source_, silhouette_);
   if (!uniform() && relative < loose_tolerance && max_cells > 1) {
-    if (best_cut(receiver_).balance > first_cut_balance && split(cells_[0], cells_[1], cells_[2])) {
+    if (lines_.best_cut(receiver_).balance > first_cut_balance && split(cells_[0], cells_[1], cells_[2])) {
       std::swap(cells_[0], cells_[1]);
       std::swap(cells_[1], cells_[2]);
       count = 2;
@@ -286,87 +258,6 @@ ExchangeEstimate ObstructedExchange::integrate(double allowed, double relative, 
   return result;
 }
 
-void ObstructedExchange::find_shadow_lines() {
-  lines_.clear();
-  const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
-    const Vec3d across = cross(from - pole, to - pole);
-    const double size = length(across);
-    if (!(size > 1e-14 * length(from - pole) * length(to - pole))) return;
-    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to};
-    if (is_cut(receiver_, line.plane) && matters(line, receiver_)) lines_.push_back(line);
-  };
-  // An occluder's plane, from which it is seen edge on, across the source.
-  turning_.assign(silhouette_.planes().size(), false);
-  for (const Silhouette::Turning& t : silhouette_.turning()) turning_[t.plane] = true;
-  for (std::size_t k = 0; k < turning_.size(); ++k) {
-    const Plane3& plane = silhouette_.planes()[k];
-    if (turning_[k] && is_cut(receiver_, plane) && is_cut(source_, plane))
-      lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::edge_on});
-  }
-  all_lines_known_ = silhouette_.edges().size() <= most_meeting;
-  if (all_lines_known_) find_meeting_lines();
-  if (silhouette_.edges().size() > most_lined) return;
-  const auto vertices = silhouette_.vertices();
-  find_rims();
-  for (const Silhouette::Edge& edge : silhouette_.edges()) find_layers(vertices[edge.from], vertices[edge.to]);
-  for (std::size_t a = 0; a < source_.size(); ++a) {
-    const Vec3d& corner = source_[a];
-    const Vec3d& next = source_[a + 1 == source_.size() ? 0 : a + 1];
-    for (const Silhouette::Edge& edge : silhouette_.edges()) add(corner, vertices[edge.from], vertices[edge.to]);
-    for (const Vec3d& v : vertices) add(v, corner, next);
-  }
-}
-
-/// Adds lines along an edge close above the receiver, before a source that is wide as seen from there: the view opens
-/// within about the edge's height, and then ever more slowly, to where the edge leaves the source.
-void ObstructedExchange::find_layers(const Vec3d& from, const Vec3d& to) {
-  const Vec3d& up = receiver_plane_.normal;
-  const double height = 0.5 * (receiver_plane_.distance(from) + receiver_plane_.distance(to));
-  const Vec3d across = cross(up, to - from);
-  const double size = length(across), slope = receiver_plane_.distance(to) - receiver_plane_.distance(from);
-  if (!(size > 2 * std::abs(slope)) || !(height > touching * size)) return;
-  const Vec3d normal = across / size;
-  const double offset = dot(normal, 0.5 * (from + to));
-  double least = 0, most = 0;  // where the edge covers the source's corners
-  for (const Vec3d& corner : source_) {
-    const double rise = std::max(receiver_plane_.distance(corner) - height, 1e-3 * height);
-    const double at = (offset - dot(normal, corner)) * height / rise;
-    least = std::min(least, at);
-    most = std::max(most, at);
-  }
-  for (const double end : {least, most}) {
-    for (double at = layer * height; at < std::abs(end); at *= layer_growth) {
-      const Plane3 plane{normal, offset + (end < 0 ? -at : at)};
-      if (!is_cut(receiver_, plane)) break;
-      lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::layer});
-    }
-  }
-}
-
-/// Adds lines below the source's edges that are close above the receiver, and along them: within about its height such
-/// an edge fills half the view or none of it.
-void ObstructedExchange::find_rims() {
-  const Vec3d& up = receiver_plane_.normal;
-  const double receiver_size = polygon_size(receiver_);
-  for (std::size_t a = 0; a < source_.size(); ++a) {
-    const Vec3d& from = source_[a];
-    const Vec3d& to = source_[a + 1 == source_.size() ? 0 : a + 1];
-    const double height = 0.5 * (receiver_plane_.distance(from) + receiver_plane_.distance(to));
-    const Vec3d across = cross(up, to - from);
-    const double size = length(across);
-    if (!(height > touching * size) || height > low_rim * std::min(size, receiver_size)) continue;
-    const Vec3d normal = across / size;
-    const double offset = dot(normal, 0.5 * (from + to));
-    for (const double side : {-1.0, 1.0}) {
-      for (double at = side > 0 ? 0 : layer * height;; at = at > 0 ? at * layer_growth : layer * height) {
-        const Plane3 plane{normal, offset + side * at};
-        if (!is_cut(receiver_, plane)) break;
-        lines_.push_back({plane, {}, {}, {}, ShadowLine::Kind::layer});
-      }
-    }
-  }
-}
-
 /// Corners of the silhouette and of the source that stand on the receiver's plane: what is seen from beside one depends
 /// on the side.
 void ObstructedExchange::find_poles() {
@@ -392,89 +283,11 @@ bool ObstructedExchange::touches(std::span<const Vec3d> cell, std::span<const Ve
   });
 }
 
-/// Adds the lines on which a corner of the silhouette covers one of its edges, both before the source: there a gap
-/// between two occluders opens or closes.
-void ObstructedExchange::find_meeting_lines() {
-  const Plane3 target = polygon_plane(source_);
-  // While the eye moves from x to y in the line's plane, the corner covers a segment on the source's plane.
-  const auto passes_source = [&](const Vec3d& x, const Vec3d& y, const Vec3d& pole) {
-    const double dx = target.distance(x), dy = target.distance(y), dp = target.distance(pole);
-    if (dx <= dp || dy <= dp) return dx > dp || dy > dp;
-    return meets_segment(source_, target.normal, x + dx / (dx - dp) * (pole - x), y + dy / (dy - dp) * (pole - y));
-  };
-  const auto add = [&](const Vec3d& pole, const Vec3d& from, const Vec3d& to) {
-    const Vec3d across = cross(from - pole, to - pole);
-    const double size = length(across);
-    if (!(size > 1e-6 * length(from - pole) * length(to - pole))) return;
-    const ShadowLine line{{across / size, dot(across, pole) / size}, pole, from, to};
-    if (!is_cut(receiver_, line.plane) || !matters(line, receiver_)) return;
-    std::array<Vec3d, 2> ends{};
-    std::size_t found = 0;
-    for (std::size_t c = 0; c < receiver_.size() && found < 2; ++c) {
-      const Vec3d& p = receiver_[c];
-      const Vec3d& q = receiver_[c + 1 == receiver_.size() ? 0 : c + 1];
-      const double dp = line.plane.distance(p), dq = line.plane.distance(q);
-      if ((dp < 0) != (dq < 0)) ends[found++] = p + dp / (dp - dq) * (q - p);
-    }
-    if (found == 2 && passes_source(ends[0], ends[1], pole)) lines_.push_back(line);
-  };
-  const auto vertices = silhouette_.vertices();
-  for (std::uint32_t v = 0; v < vertices.size(); ++v)
-    for (const Silhouette::Edge& edge : silhouette_.edges())
-      if (edge.from != v && edge.to != v) add(vertices[v], vertices[edge.from], vertices[edge.to]);
-}
-
-/// Whether, somewhere along the line's chord through the cell, the corner covers a point of the edge itself and not
-/// only of its extension.
-bool ObstructedExchange::matters(const ShadowLine& line, std::span<const Vec3d> cell) const {
-  if (line.kind != ShadowLine::Kind::shadow) return true;
-  double least = 1e300, most = -1e300;
-  bool ahead = false, astern = false;  // of the point from which the edge is seen end on: there u passes infinity
-  for (std::size_t c = 0; c < cell.size(); ++c) {
-    const Vec3d& p = cell[c];
-    const Vec3d& q = cell[(c + 1) % cell.size()];
-    const double dp = line.plane.distance(p), dq = line.plane.distance(q);
-    if ((dp < 0) == (dq < 0)) continue;
-    const Vec3d x = p + dp / (dp - dq) * (q - p);
-    const Vec3d ray = line.pole - x, edge = line.to - line.from;
-    const double scale = dot(cross(edge, ray), line.plane.normal);
-    if (std::abs(scale) <= 1e-9 * length(edge) * length(ray)) return true;
-    const double u = dot(cross(x - line.from, ray), line.plane.normal) / scale;
-    least = std::min(least, u);
-    most = std::max(most, u);
-    ahead |= scale > 0;
-    astern |= scale < 0;
-  }
-  return ahead && astern ? least >= 0 || most <= 1 : least <= 1 && most >= 0;
-}
-
-/// The shadow line that cuts the cell most evenly of those that matter in it, and the share of it on the smaller side.
-ObstructedExchange::Cut ObstructedExchange::best_cut(std::span<const Vec3d> cell) const {
-  Cut best;
-  for (const ShadowLine& line : lines_) {
-    double front = 0, back = 0;
-    for (const Vec3d& v : cell) {
-      const double d = line.plane.distance(v);
-      front = std::max(front, d);
-      back = std::max(back, -d);
-    }
-    const double balance = std::min(front, back) / (front + back);
-    if (!(balance > best.balance || (best.lines < 2 && balance > negligible_balance)) || !matters(line, cell)) continue;
-    if (balance > negligible_balance) ++best.lines;
-    if (balance > best.balance) {
-      best.line = &line;
-      best.balance = balance;
-    }
-  }
-  if (best.balance <= negligible_balance) return {};
-  return best;
-}
-
 bool ObstructedExchange::split(const Cell& cell, Cell& left, Cell& right) {
-  const Cut best = best_cut(cell.polygon);
+  const ShadowLines::Cut best = lines_.best_cut(cell.polygon);
   Plane3 cut;
   if (best.balance > least_balance) {
-    cut = best.line->plane;
+    cut = *best.line;
   } else {  // across the longest edge, through the middle
     std::size_t longest = 0;
     double most = -1;

@@ -11,6 +11,7 @@
 #include "penumbra/math/quadrature.h"
 #include "penumbra/radiosity/form_factors/analytic.h"
 #include "penumbra/radiosity/form_factors/occluder_polygons.h"
+#include "penumbra/radiosity/form_factors/shadow_lines.h"
 #include "penumbra/radiosity/form_factors/silhouette.h"
 #include "penumbra/radiosity/form_factors/visible_fragments.h"
 
@@ -69,23 +70,6 @@ class ObstructedExchange {
     std::vector<Vec3d> polygon;
     ExchangeEstimate seen, hidden;
   };
-  struct ShadowLine {
-    Plane3 plane;    // its trace on the receiver is the line
-    Vec3d pole;      // the corner, of source or occluder
-    Vec3d from, to;  // the edge
-    enum class Kind {
-      shadow,
-      edge_on,  // an occluder's own plane
-      layer,    // no kink, but a quick change nearby
-    } kind = Kind::shadow;
-  };
-  /// The shadow line that cuts a cell most evenly: the share of the cell on its smaller side, and how many lines there
-  /// are, counted up to two.
-  struct Cut {
-    const ShadowLine* line = nullptr;
-    double balance = 0;
-    int lines = 0;
-  };
   /// A sum over cells.
   struct Total {
     double exchange = 0, error = 0, variance = 0;
@@ -103,18 +87,12 @@ class ObstructedExchange {
 
   [[nodiscard]] bool clip_pair(std::span<const Vec3d> receiver, const Plane3& receiver_plane,
                                std::span<const Vec3d> source, const Plane3& source_plane, const ExchangeEstimate& open);
-  void find_shadow_lines();
   void evaluate(Cell& cell);
-  void apply_rule(Cell& cell, const Cut& kink_of_seen, const Cut& kink_of_hidden);
+  void apply_rule(Cell& cell, const ShadowLines::Cut& kink_of_seen, const ShadowLines::Cut& kink_of_hidden);
   ExchangeEstimate open_exchange(double allowed);
-  void find_meeting_lines();
   void find_poles();
-  void find_rims();
-  void find_layers(const Vec3d& from, const Vec3d& to);
   [[nodiscard]] bool touches(std::span<const Vec3d> cell, std::span<const Vec3d> points) const;
-  [[nodiscard]] Cut best_cut(std::span<const Vec3d> cell) const;
   bool split(const Cell& cell, Cell& left, Cell& right);
-  [[nodiscard]] bool matters(const ShadowLine& line, std::span<const Vec3d> cell) const;
 
   const OccluderPolygons& occluders_;
   VisibleFragments fragments_;
@@ -124,10 +102,8 @@ class ObstructedExchange {
   ExchangeAreaScratch scratch_;
   std::vector<Vec3d> receiver_, source_;
   Silhouette silhouette_;
-  std::vector<ShadowLine> lines_;
-  std::vector<Vec3d> poles_, contacts_;  // corners of silhouette and source on the receiver's plane
-  std::vector<bool> turning_;            // per plane of the silhouette: an edge asks for it
-  bool all_lines_known_ = false;
+  ShadowLines lines_;
+  std::vector<Vec3d> poles_, contacts_;       // corners of silhouette and source on the receiver's plane
   double caution_of_pair_ = 1, caution_ = 1;  // the second less where errors of many edges add up
   std::vector<WeightedPoint> points_;
   std::vector<double> x_, y_, z_, seen_, hidden_;
