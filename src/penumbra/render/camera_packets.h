@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "penumbra/render/camera_rays.h"
@@ -16,12 +17,14 @@ struct PixelSample {
   Rgb radiance{0};
 };
 
-/// Sends a pinhole camera's rays in packets: one for each sample of a block of pixels.
+/// Sends a pinhole camera's rays in packets.
 class CameraPackets {
  public:
   /// @pre camera.is_pinhole(); it must outlive this.
   CameraPackets(const CameraRays& camera, std::uint64_t seed);
 
+  /// Aims a ray at each of up to sixteen samples and sets their weights. The lanes after them sleep.
+  void aim(std::span<PixelSample> samples, RayPacket& rays) const;
   /// Aims at the block's sample of this number and appends a sample for each lane used; returns how many are.
   int aim(const PixelBlock& block, int number, RayPacket& rays, std::vector<PixelSample>& samples) const;
 
@@ -34,8 +37,11 @@ class CameraPackets {
   /// How many random numbers place a sample.
   [[nodiscard]] int numbers_used() const { return camera_.drawn(); }
   [[nodiscard]] const CameraRays& rays() const { return camera_; }
+  [[nodiscard]] const RasterDirections& raster() const { return raster_; }
 
  private:
+  void jitter(std::span<PixelSample> samples, Lanes& x, Lanes& y) const;
+
   const CameraRays& camera_;
   std::uint64_t seed_;
   RasterDirections raster_;

@@ -52,6 +52,11 @@ class CameraRays {
   [[nodiscard]] RayDifferential differential(const Ray& ray) const;
 
   [[nodiscard]] bool centred() const { return centred_; }
+  /// Whether rays are sent at different times.
+  [[nodiscard]] bool is_timed() const { return timed_; }
+  [[nodiscard]] const Filter& filter() const { return filter_; }
+  /// Of the samples, pixels: as `differential` takes it.
+  [[nodiscard]] double spacing() const { return spacing_; }
   /// Whether all rays leave the eye through points of a plane, evenly spaced.
   [[nodiscard]] bool is_pinhole() const { return plane_ && !orthographic_ && !aperture_ && camera_.motion.empty(); }
   [[nodiscard]] const Vec3d& eye() const { return rest_.eye; }

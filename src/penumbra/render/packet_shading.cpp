@@ -6,14 +6,7 @@
 #include <limits>
 #include <numbers>
 
-// The loops below run over 16 lanes without branches, so that the compiler turns each into a few vector instructions;
-// GCC clones the functions for wider vectors and picks at program start.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define PENUMBRA_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define PENUMBRA_CLONES
-#endif
+#include "penumbra/render/lane_loops.h"
 
 namespace penumbra {
 namespace {
@@ -21,9 +14,6 @@ namespace {
 constexpr int n = RayPacket::size;
 constexpr auto rounding = static_cast<float>(float_error);
 constexpr float end_margin = 1 - 4 * 0x1p-24F;
-
-// Both values are known already: a choice without a branch.
-inline float pick(bool first, float a, float b) { return first ? a : b; }
 
 }  // namespace
 
@@ -262,6 +252,24 @@ PENUMBRA_CLONES void aim_at_point(const PointLanes& points, const LightLanes& li
     shadow.t_min[i] = 0;
     shadow.t_max[i] = std::max(r2 * inverse * end_margin, farthest);
     shadow.active[i] = reaches ? -1 : 0;
+  }
+}
+
+PENUMBRA_CLONES void add_light(const ColourLanes& reflectance, const ColourLanes& light, const ColourLanes& passed,
+                               const Lanes& geometry, const RayPacket& shadow, ColourLanes& __restrict radiance) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float arrives = shadow.active[i] != 0 ? geometry[i] * std::numbers::inv_pi_v<float> : 0.0F;
+    radiance.r[i] += reflectance.r[i] * light.r[i] * passed.r[i] * arrives;
+    radiance.g[i] += reflectance.g[i] * light.g[i] * passed.g[i] * arrives;
+    radiance.b[i] += reflectance.b[i] * light.b[i] * passed.b[i] * arrives;
+  }
+}
+
+PENUMBRA_CLONES void add_ambient(const ColourLanes& reflectance, const Rgb& ambient, ColourLanes& __restrict radiance) {
+  for (std::size_t i = 0; i < n; ++i) {
+    radiance.r[i] += ambient.x * reflectance.r[i];
+    radiance.g[i] += ambient.y * reflectance.g[i];
+    radiance.b[i] += ambient.z * reflectance.b[i];
   }
 }
 

@@ -21,6 +21,14 @@ struct alignas(64) VectorLanes {
   }
 };
 
+/// Sixteen colours side by side.
+struct alignas(64) ColourLanes {
+  Lanes r, g, b;
+
+  void set(std::size_t lane, const Rgb& c) { r[lane] = c.x, g[lane] = c.y, b[lane] = c.z; }
+  [[nodiscard]] Rgb get(std::size_t lane) const { return {r[lane], g[lane], b[lane]}; }
+};
+
 /// The triangles that a packet's rays hit, as gathered lane by lane.
 struct alignas(64) HitTriangles {
   VectorLanes v0, v1, v2;
@@ -58,9 +66,10 @@ struct alignas(64) LightLanes {
   Lanes inverse_density;  ///< m^2
 };
 
-/// A camera's directions over a raster, single precision: (corner + x step_x + y step_y), not unit.
+/// A camera's directions over a raster, single precision: (corner + x step_x + y step_y), not unit, but one unit long
+/// along `forward`, which is.
 struct RasterDirections {
-  Vec3f eye{0}, corner{0}, step_x{0}, step_y{0};
+  Vec3f eye{0}, corner{0}, step_x{0}, step_y{0}, forward{0};
 };
 
 /// Rays of a perspective camera through raster positions `x`, `y` (pixels), from `t` 0 to infinity.
@@ -98,5 +107,12 @@ void aim_at_area(const PointLanes& points, const LightLanes& light, const std::i
 /// @param range m, 0: none.
 void aim_at_point(const PointLanes& points, const LightLanes& light, bool far, bool inverse_square, float range,
                   const std::int32_t* lit_lanes, RayPacket& shadow, Lanes& geometry);
+
+/// Light that matt surfaces scatter on: adds reflectance / pi x `light` x `passed` x `geometry` in active lanes of
+/// `shadow`. @param passed share of the light that nothing held up.
+void add_light(const ColourLanes& reflectance, const ColourLanes& light, const ColourLanes& passed,
+               const Lanes& geometry, const RayPacket& shadow, ColourLanes& radiance);
+/// Adds what comes of an ambient radiance.
+void add_ambient(const ColourLanes& reflectance, const Rgb& ambient, ColourLanes& radiance);
 
 }  // namespace penumbra

@@ -27,6 +27,8 @@ PacketMaterial packet_material(const Material& m) {
       p.reflectance[1] = below_mirror(glm::clamp(*m.checker_colour, 0.0F, 1.0F), p.mirror);
       p.checker_size = m.checker_size;
     }
+    p.mirrors = !is_black(p.mirror);
+    p.scatters = !is_black(p.reflectance[0]) || !is_black(p.reflectance[1]);
     return p;
   }
   const bool smooth = m.roughness * m.roughness < static_cast<float>(Bsdf::ideal_alpha);

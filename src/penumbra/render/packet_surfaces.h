@@ -20,8 +20,10 @@ struct PacketMaterial {
   Rgb mirror{0};
   Rgb emission{0};
   bool double_sided = false;
-  float ior = 1;  ///< of glass
-  Rgb tint{0};    ///< of what glass lets through
+  float ior = 1;          ///< of glass
+  Rgb tint{0};            ///< of what glass lets through
+  bool mirrors = false;   ///< matt, with a mirror share
+  bool scatters = false;  ///< not black
 
   /// Whether a lane's point lies in a square of the second colour.
   [[nodiscard]] bool on_second_colour(const PointLanes& points, std::size_t lane) const;

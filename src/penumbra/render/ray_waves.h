@@ -54,7 +54,6 @@ class RayWaves {
   [[nodiscard]] bool filters() const { return options_.textures != nullptr && options_.textures->any(); }
   struct Wave;
   struct LightPoints;
-  struct Lit;
   class Batch;
 
   RayWaves(const RayTracer& tracer, const CameraRays& camera, const LightSampler& lights,
