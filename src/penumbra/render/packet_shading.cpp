@@ -180,6 +180,27 @@ PENUMBRA_CLONES void split_rays(const RayPacket& rays, const PointLanes& points,
   }
 }
 
+PENUMBRA_CLONES void pass_straight(const PointLanes& points, const Lanes& ior, RayPacket& __restrict rays,
+                                   Lanes& __restrict through) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float gx = points.geometric.x[i], gy = points.geometric.y[i], gz = points.geometric.z[i];
+    const float dx = rays.direction_x[i], dy = rays.direction_y[i], dz = rays.direction_z[i];
+    const float cosine = std::min(std::abs(dx * gx + dy * gy + dz * gz), 1.0F);
+    const float eta = ior[i];
+    const float root = std::sqrt(std::max(eta * eta - 1 + cosine * cosine, 0.0F));
+    const float s = (cosine - root) / std::max(cosine + root, 1e-20F);
+    const float p = (eta * eta * cosine - root) / std::max(eta * eta * cosine + root, 1e-20F);
+    through[i] = 1 - 0.5F * (s * s + p * p);
+    const float ox = points.position.x[i] - points.error[i] * gx, oy = points.position.y[i] - points.error[i] * gy,
+                oz = points.position.z[i] - points.error[i] * gz;
+    rays.t_max[i] -= (ox - rays.origin_x[i]) * dx + (oy - rays.origin_y[i]) * dy + (oz - rays.origin_z[i]) * dz;
+    rays.origin_x[i] = ox;
+    rays.origin_y[i] = oy;
+    rays.origin_z[i] = oz;
+    rays.t_min[i] = 0;
+  }
+}
+
 PENUMBRA_CLONES void aim_at_area(const PointLanes& points, const LightLanes& light, const std::int32_t* lit_lanes,
                                  RayPacket& __restrict shadow, Lanes& __restrict geometry) {
   for (std::size_t i = 0; i < n; ++i) {

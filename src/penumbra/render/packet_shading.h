@@ -97,6 +97,10 @@ void reflect_rays(const RayPacket& rays, const PointLanes& points, BounceLanes& 
 void split_rays(const RayPacket& rays, const PointLanes& points, const Lanes& ior, BounceLanes& reflected,
                 BounceLanes& refracted);
 
+/// Takes rays straight through the glass that they met: they start beyond it and keep their ends; `through` gets what
+/// its surface lets pass, by the cosine outside. @param ior of the glass.
+void pass_straight(const PointLanes& points, const Lanes& ior, RayPacket& rays, Lanes& through);
+
 /// Shadow rays from surface points to points of an area light; `geometry` gets cos cos' / (r^2 density), 0 where no
 /// light can go. Lanes of `shadow` with geometry 0, or not in `lit_lanes`, sleep.
 void aim_at_area(const PointLanes& points, const LightLanes& light, const std::int32_t* lit_lanes, RayPacket& shadow,

@@ -7,6 +7,7 @@
 #include "penumbra/math/transform.h"
 #include "penumbra/scene/texture_lookup.h"
 #include "penumbra/tracing/shading/bsdf.h"
+#include "penumbra/tracing/shading/specular_tree.h"
 
 namespace penumbra {
 namespace {
@@ -19,8 +20,12 @@ PacketMaterial packet_material(const Material& m) {
   if (reads_textures(m) || m.unlit || m.alpha_mode == AlphaMode::blend || m.metallic != 0) return p;
   p.emission = m.emission;
   p.double_sided = m.double_sided;
-  if (m.specular == 0 && m.transmission == 0) {
+  // What is followed like a mirror, smoother, is for the scalar way.
+  const bool rough_layer = m.specular > 0 && m.specular <= 1 && m.ior != 0 && m.roughness <= 1 &&
+                           m.roughness > static_cast<float>(followed_roughness) && is_black(m.mirror);
+  if ((m.specular == 0 || rough_layer) && m.transmission == 0) {
     p.kind = PacketMaterial::Kind::matt;
+    if (rough_layer) p.gloss.emplace(m);
     p.mirror = glm::clamp(m.mirror, 0.0F, 1.0F);
     p.reflectance[0] = below_mirror(glm::clamp(m.base_colour, 0.0F, 1.0F), p.mirror);
     if (m.checker_colour) {
@@ -28,7 +33,7 @@ PacketMaterial packet_material(const Material& m) {
       p.checker_size = m.checker_size;
     }
     p.mirrors = !is_black(p.mirror);
-    p.scatters = !is_black(p.reflectance[0]) || !is_black(p.reflectance[1]);
+    p.scatters = p.gloss || !is_black(p.reflectance[0]) || !is_black(p.reflectance[1]);
     return p;
   }
   const bool smooth = m.roughness * m.roughness < static_cast<float>(Bsdf::ideal_alpha);
@@ -86,7 +91,7 @@ PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
 
 bool PacketSurfaces::all_matt() const {
   const auto matt = [&](std::uint32_t m) {
-    return materials_[m].kind == PacketMaterial::Kind::matt && is_black(materials_[m].mirror) &&
+    return materials_[m].kind == PacketMaterial::Kind::matt && !materials_[m].mirrors && !materials_[m].gloss &&
            materials_[m].checker_size == 0;
   };
   for (const ShapeObject& s : scene_->shapes) {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "penumbra/render/gloss_lanes.h"
 #include "penumbra/render/packet_shading.h"
 
 namespace penumbra {
@@ -10,7 +11,7 @@ namespace penumbra {
 /// What a packet of rays needs to know of a material.
 struct PacketMaterial {
   enum class Kind {
-    matt,   ///< Lambertian, or in two colours, with a constant mirror share
+    matt,   ///< Lambertian, or in two colours, with a constant mirror share or under a rough layer
     glass,  ///< a clear solid with smooth walls
     other,  ///< anything else: its lanes are shaded one by one
   };
@@ -18,6 +19,7 @@ struct PacketMaterial {
   Rgb reflectance[2]{};    ///< Lambertian, of the first and the second colour; what the mirror leaves
   float checker_size = 0;  ///< m; 0: one colour
   Rgb mirror{0};
+  std::optional<GlossLayer> gloss;  ///< on matt ones
   Rgb emission{0};
   bool double_sided = false;
   float ior = 1;          ///< of glass

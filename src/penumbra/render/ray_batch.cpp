@@ -51,9 +51,10 @@ struct alignas(64) RayWaves::Batch::Lit {
   RayPacket shadow;
   Lanes geometry;
   ColourLanes reflectance, radiance;
+  GlossLanes gloss;                                     // where any_gloss
   std::array<const PacketMaterial*, lanes> material{};  // none: missed, unused or shaded by itself
   std::int32_t lit[lanes];                              // -1: matt, light can bring something
-  bool any_glass = false, any_mirror = false, any_lit = false, any_checker = false;
+  bool any_glass = false, any_mirror = false, any_lit = false, any_checker = false, any_gloss = false;
 };
 
 void RayWaves::Batch::start(const PixelBlock& block) {
@@ -169,6 +170,7 @@ void RayWaves::Batch::classify(const Wave& wave, Lit& lit) {
     lit.any_glass = lit.any_glass || m.kind == PacketMaterial::Kind::glass;
     lit.any_mirror = lit.any_mirror || m.mirrors;
     lit.any_checker = lit.any_checker || m.checker_size > 0;
+    lit.any_gloss = lit.any_gloss || m.gloss;
   }
 }
 
@@ -192,8 +194,21 @@ void RayWaves::Batch::shine(const Wave& wave, Lit& lit) const {
     lit.any_lit = lit.any_lit || lit.lit[i] != 0;
   }
   if (lit.any_checker) mix_checkers(wave, lit);
+  if (lit.any_gloss) layer(lit);
   if (const Rgb ambient = owner_.lights_.ambient(); !is_black(ambient)) {
     add_ambient(lit.reflectance, ambient, lit.radiance);
+  }
+}
+
+// What rough layers leave of the ambient light, which comes head on.
+void RayWaves::Batch::layer(Lit& lit) const {
+  const Rgb ambient = owner_.lights_.ambient();
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const bool is_layered = lit.material[i] != nullptr && lit.material[i]->gloss;
+    lit.gloss.set(i, is_layered ? &*lit.material[i]->gloss : nullptr, lit.points.facing[i]);
+    if (!is_layered) continue;
+    const float hidden = 1 - lit.material[i]->gloss->left_at(1);
+    lit.radiance.set(i, lit.radiance.get(i) - hidden * ambient * lit.reflectance.get(i));
   }
 }
 
@@ -235,9 +250,12 @@ void RayWaves::Batch::light(const Wave& wave, Lit& lit) {
     for (const std::int32_t a : lit.shadow.active) cast += a != 0 ? 1 : 0;
     if (cast == 0) continue;
     count(rays_, RayPurpose::shadow, depth_, cast);
-    std::array<Rgb, lanes> share;
-    owner_.shadow_.transmittance(lit.shadow, is_fixed && depth_ == 0, share);
-    for (std::size_t i = 0; i < lanes; ++i) passed.set(i, share[i]);
+    owner_.packet_shadow_.transmittance(lit.shadow, is_fixed && depth_ == 0, passed);
+    if (lit.any_gloss) {
+      add_glossy_light(wave.rays, lit.points, lit.gloss, lit.reflectance, on_light.radiance, passed, lit.geometry,
+                       lit.shadow, lit.radiance);
+      continue;
+    }
     add_light(lit.reflectance, on_light.radiance, passed, lit.geometry, lit.shadow, lit.radiance);
   }
 }

@@ -52,6 +52,7 @@ class RayWaves::Batch {
   void classify(const Wave& wave, Lit& lit);
   void hand_over(const Wave& wave, int lane);
   void shine(const Wave& wave, Lit& lit) const;
+  void layer(Lit& lit) const;
   void mix_checkers(const Wave& wave, Lit& lit) const;
   void light(const Wave& wave, Lit& lit);
   void draw_points(const PacketLight& light, int number, const Wave& wave, const Lit& lit, LightPoints& points) const;

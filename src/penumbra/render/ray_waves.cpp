@@ -20,7 +20,8 @@ RayWaves::RayWaves(const RayTracer& tracer, const CameraRays& camera, const Ligh
       packet_lights_(std::move(packet_lights)),
       options_(options),
       shadow_(tracer, options.through_glass),
-      surfaces_(tracer.scene()) {
+      surfaces_(tracer.scene()),
+      packet_shadow_(tracer, surfaces_, shadow_) {
   for (const PacketLight& l : packet_lights_) {
     const PacketLight::Triangle point{.v0 = l.position,
                                       .e1 = Vec3f(0),

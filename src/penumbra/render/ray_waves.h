@@ -8,6 +8,7 @@
 #include "penumbra/render/direct_light.h"
 #include "penumbra/render/integrator.h"
 #include "penumbra/render/light_points.h"
+#include "penumbra/render/packet_shadow.h"
 #include "penumbra/render/packet_surfaces.h"
 #include "penumbra/tracing/shading/filtered_textures.h"
 
@@ -17,8 +18,8 @@ namespace penumbra {
 /// sent, and the rays that go on from there are the next wave. What a surface shines is added to its sample with the
 /// weight that its ray carries, so nothing has to be returned up the tree.
 ///
-/// Lanes on plain matt, mirroring and clear glass surfaces are shaded side by side (packet_shading.h); any other lane
-/// is handed over. Both ways are the same picture up to rounding.
+/// Lanes on plain matt, glossy, mirroring and clear glass surfaces are shaded side by side (packet_shading.h); any
+/// other lane is handed over. Both ways are the same picture up to rounding.
 class RayWaves {
  public:
   struct Options {
@@ -66,6 +67,7 @@ class RayWaves {
   Options options_;
   Shadow shadow_;
   PacketSurfaces surfaces_;
+  PacketShadow packet_shadow_;
   std::vector<LightPoints> fixed_points_;  // by light: where all rays to it go, when it is met at one point
 };
 

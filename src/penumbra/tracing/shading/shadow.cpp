@@ -102,65 +102,6 @@ Rgb Shadow::transmittance(const Ray& ray, const Interior& inside, const Bands& b
   return Rgb(0);
 }
 
-namespace {
-
-// Rays of which most are settled by the first query, and the rest surface by surface.
-void put(const Ray& ray, int lane, RayPacket& rays) {
-  rays.origin_x[lane] = static_cast<float>(ray.origin.x);
-  rays.origin_y[lane] = static_cast<float>(ray.origin.y);
-  rays.origin_z[lane] = static_cast<float>(ray.origin.z);
-  rays.t_min[lane] = static_cast<float>(ray.t_min);
-  rays.t_max[lane] = static_cast<float>(ray.t_max);
-}
-
-Ray lane_ray(const RayPacket& rays, int lane) {
-  return {.origin = {rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
-          .direction = {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]},
-          .t_min = rays.t_min[lane],
-          .t_max = rays.t_max[lane],
-          .time = static_cast<double>(rays.time[lane])};
-}
-
-}  // namespace
-
-void Shadow::transmittance(RayPacket& rays, bool coherent, std::array<Rgb, RayPacket::size>& passed) const {
-  passed.fill(Rgb(1));
-  RayPacket blocked = rays;
-  tracer_->occluded(rays, coherent);
-  if (binary_) return;
-  std::array<std::optional<Passage>, RayPacket::size> ways;
-  int left = 0;
-  for (int i = 0; i < RayPacket::size; ++i) {
-    if (rays.active[i] != 0) blocked.active[i] = 0;
-    if (blocked.active[i] != 0) ++left;
-  }
-  // Glass in the way lets some light through; most often what is met first is opaque.
-  HitPacket hits;
-  for (int crossed = 0; crossed < most_surfaces && left > 0; ++crossed) {
-    tracer_->nearest(blocked, hits);
-    for (int i = 0; i < RayPacket::size; ++i) {
-      if (blocked.active[i] == 0) continue;
-      const auto k = static_cast<std::size_t>(i);
-      if (!ways[k]) {
-        if (hits.object[i] != HitPacket::no_hit && !passes(hits, i)) {
-          blocked.active[i] = 0, --left;
-          continue;
-        }
-        ways[k].emplace(lane_ray(blocked, i));
-      }
-      Passage& way = *ways[k];
-      if (hits.object[i] != HitPacket::no_hit &&
-          go_through(way, {hits.t[i], hits.object[i], hits.primitive[i], {hits.u[i], hits.v[i]}}, {})) {
-        put(way.rest, i, blocked);
-        continue;
-      }
-      blocked.active[i] = 0, --left;
-      passed[k] = way.passed;
-      if (!is_black(way.passed)) rays.active[i] = -1;
-    }
-  }
-}
-
 bool Shadow::passes(const HitPacket& hits, int lane) const {
   const Scene& scene = tracer_->scene();
   const std::uint32_t object = hits.object[lane];

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "penumbra/math/bands.h"
 #include "penumbra/tracing/ray_tracer.h"
 #include "penumbra/tracing/shading/interior.h"
@@ -24,9 +22,8 @@ class Shadow {
   /// @param inside the closed surfaces that the ray starts in, as far as media matter.
   [[nodiscard]] Rgb transmittance(const Ray& ray, const Interior& inside = {}, const Bands& bands = {}) const;
 
-  /// The same for the active lanes of a packet; lanes along which nothing passes fall asleep.
-  /// @param coherent see RayTracer::occluded. @pre media().none().
-  void transmittance(RayPacket& rays, bool coherent, std::array<Rgb, RayPacket::size>& passed) const;
+  /// Whether light may pass the surface that a packet's lane hit.
+  [[nodiscard]] bool passes(const HitPacket& hits, int lane) const;
 
   /// True when every surface is opaque and the air is clear, so that one occlusion query decides.
   [[nodiscard]] bool is_binary() const { return binary_ && media_.none(); }
@@ -35,7 +32,6 @@ class Shadow {
  private:
   struct Passage;
   [[nodiscard]] bool go_through(Passage& way, const Hit& hit, const Bands& bands) const;
-  [[nodiscard]] bool passes(const HitPacket& hits, int lane) const;
 
   const RayTracer* tracer_;
   Media media_;
