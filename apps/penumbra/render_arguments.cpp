@@ -12,6 +12,7 @@ namespace {
 constexpr int usual_samples = 4;
 constexpr int usual_path_samples = 64;
 constexpr int usual_samples_by_noise = 4096;
+constexpr int usual_samples_by_contrast = 9;
 constexpr int most_samples = 1 << 24;  // what render() takes
 constexpr int most_segments = std::numeric_limits<int>::max();
 
@@ -104,9 +105,8 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
       });
   parser.value(
       "--spp", "N",
-      "samples a pixel, at most with --noise; particles a pixel for light (default: 4; 64 for path and light; 4096 "
-      "with "
-      "--noise)",
+      "samples a pixel, at most with --noise and --contrast; particles a pixel for light (default: 4; 64 for path and "
+      "light; 4096 with --noise, 9 with --contrast)",
       [&](const OptionValue& v) { given.samples = static_cast<int>(whole_number(v, 1, most_samples, "samples")); });
   parser.value(
       "--noise", "X",
@@ -115,6 +115,15 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
       [&](const OptionValue& v) {
         options.noise = number_above_zero(v, "a share above 0 and below 1, such as 0.02");
         if (options.noise >= 1) throw UsageError("--noise takes a share below 1, not '" + v.text + "'");
+      });
+  parser.value(
+      "--contrast", "X",
+      "adaptive sampling of edges: one sample a pixel (4 with soft light), and --spp where its colour differs from a "
+      "neighbour's by more than X of their sum, such as 0.1; not for path and light (default: the same number "
+      "everywhere)",
+      [&](const OptionValue& v) {
+        options.contrast = number_above_zero(v, "a share above 0 and below 1, such as 0.1");
+        if (options.contrast >= 1) throw UsageError("--contrast takes a share below 1, not '" + v.text + "'");
       });
   parser.value("--filter", "NAME",
                "how samples become pixels: box, tent, gaussian, mitchell or blackman-harris (default: box)",
@@ -181,7 +190,10 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   const bool path = !radiosity && !two_pass && options.integrator == IntegratorKind::path;
   const bool appel = !radiosity && !two_pass && options.integrator == IntegratorKind::appel;
   const bool light = !radiosity && !two_pass && options.integrator == IntegratorKind::light;
-  const int usual = options.noise > 0 ? usual_samples_by_noise : path || light ? usual_path_samples : usual_samples;
+  const int usual = options.noise > 0      ? usual_samples_by_noise
+                    : options.contrast > 0 ? usual_samples_by_contrast
+                    : path || light        ? usual_path_samples
+                                           : usual_samples;
   options.samples_per_pixel = given.samples.value_or(usual);
   if (options.noise > 0 && options.samples_per_pixel < 32) {
     throw UsageError("--noise needs some samples to judge by; raise --spp to 32 or more, or leave it away");
@@ -203,6 +215,11 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   if (light && options.noise > 0) refuse("--noise", "whose particles go where the light does");
   if (light && options.filter != FilterKind::box) refuse("--filter", "whose pixels count particles");
   if (light && !options.aovs.empty()) refuse("--aov", "which sends no rays from the eye");
+  if (options.contrast > 0 && options.noise > 0) {
+    throw UsageError("--contrast and --noise both say where samples go; leave one away");
+  }
+  if (path && options.contrast > 0) refuse("--contrast", "whose pixels differ by noise everywhere; use --noise");
+  if (light && options.contrast > 0) refuse("--contrast", "whose particles go where the light does");
   const bool has_caustics = path || two_pass || radiosity;
   if (!has_caustics && given.no_caustics) {
     refuse("--no-caustics", light ? "whose particles bring them along" : "which has none");

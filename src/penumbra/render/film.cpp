@@ -141,12 +141,24 @@ void Film::develop_pixel(std::size_t i, float* out) const {
   }
 }
 
+// A row of colours alone.
+void Film::develop_colours(std::size_t first, float* out) const {
+  for (const Pixel* p = &pixels_[first]; p != &pixels_[first] + width_; ++p, out += 3) {
+    if (p->samples == 0) continue;
+    for (int band = 0; band < 3; ++band) out[band] = static_cast<float>(p->radiance[band] / p->samples);
+  }
+}
+
 void Film::develop_into(Image& picture, int left, int top) const {
   const std::size_t channels = picture.channels.size();
   const auto rows = static_cast<std::size_t>(area_.y1 - area_.y0);
   const auto develop_rows = [&](std::size_t first, std::size_t last) {
     for (std::size_t row = first; row < last; ++row) {
       float* out = picture.pixel(area_.x0 - left, area_.y0 - top + static_cast<int>(row));
+      if (aovs_.empty()) {
+        develop_colours(row * width_, out);
+        continue;
+      }
       for (std::size_t column = 0; column < width_; ++column)
         develop_pixel(row * width_ + column, out + column * channels);
     }

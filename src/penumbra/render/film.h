@@ -98,6 +98,7 @@ class Film {
   }
   void develop_into(Image& picture, int left, int top) const;
   void develop_pixel(std::size_t pixel, float* out) const;
+  void develop_colours(std::size_t first, float* out) const;
   void add_layers(int x, int y, const PixelEstimate& estimate, const Vec3d& weighted);
 
   Region area_;

@@ -77,15 +77,18 @@ void turn_towards_eye(const RayPacket& rays, std::size_t i, PointLanes& points) 
   points.facing[i] = static_cast<float>(dot(bent, wo));
 }
 
-PacketSurfaces::PacketSurfaces(const Scene& scene) : scene_(&scene) {
-  for (const Material& m : scene.materials) materials_.push_back(packet_material(m));
-  for (const Instance& i : scene.instances) {
+PacketSurfaces::PacketSurfaces(const Scene& scene, const RayTracer* tracer) : scene_(&scene) {
+  for (const Material& m : scene_->materials) materials_.push_back(packet_material(m));
+  for (const Instance& i : scene_->instances) {
     const bool mirrors = is_mirroring(i.to_world);
     places_.push_back({.moves = !i.motion.empty(),
                        .as_is = i.to_world == Mat4d(1.0),
                        .mirrors = mirrors,
                        .to_world = i.to_world,
-                       .normals = normal_matrix(i.to_world) * (mirrors ? -1.0 : 1.0)});
+                       .normals = normal_matrix(i.to_world) * (mirrors ? -1.0 : 1.0),
+                       .mesh = &scene_->meshes[i.mesh],
+                       .corners = tracer != nullptr ? tracer->world_vertices(static_cast<std::uint32_t>(places_.size()))
+                                                    : std::span<const Vec3f>()});
   }
 }
 
@@ -106,27 +109,29 @@ bool PacketSurfaces::all_matt() const {
   return true;
 }
 
-void PacketSurfaces::fetch(const HitPacket& hits, int used) const {
 #if defined(__GNUC__)
-  const auto mesh_of = [&](int lane) -> const Mesh* {
-    const std::uint32_t object = hits.object[lane];
-    return object < scene_->instances.size() ? &scene_->meshes[scene_->instances[object].mesh] : nullptr;
-  };
+inline void ask_for(const void* at) { __builtin_prefetch(at); }
+#else
+inline void ask_for(const void*) {}
+#endif
+
+void PacketSurfaces::fetch_triangles(const HitPacket& hits, int used) const {
   for (int lane = 0; lane < used; ++lane) {
-    if (const Mesh* mesh = mesh_of(lane)) __builtin_prefetch(&mesh->triangles[hits.primitive[lane]]);
-  }
-  for (int lane = 0; lane < used; ++lane) {
-    const Mesh* mesh = mesh_of(lane);
-    if (mesh == nullptr) continue;
-    for (const std::uint32_t vertex : mesh->triangles[hits.primitive[lane]]) {
-      __builtin_prefetch(&mesh->positions[vertex]);
-      if (!mesh->normals.empty()) __builtin_prefetch(&mesh->normals[vertex]);
+    if (hits.object[lane] < places_.size()) {
+      ask_for(&places_[hits.object[lane]].mesh->triangles[hits.primitive[lane]]);
     }
   }
-#else
-  (void)hits;
-  (void)used;
-#endif
+}
+
+void PacketSurfaces::fetch_corners(const HitPacket& hits, int used) const {
+  for (int lane = 0; lane < used; ++lane) {
+    if (hits.object[lane] >= places_.size()) continue;
+    const Place& place = places_[hits.object[lane]];
+    for (const std::uint32_t vertex : place.mesh->triangles[hits.primitive[lane]]) {
+      place.corners.empty() ? ask_for(&place.mesh->positions[vertex]) : ask_for(&place.corners[vertex]);
+      if (!place.mesh->normals.empty()) ask_for(&place.mesh->normals[vertex]);
+    }
+  }
 }
 
 const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, HitTriangles& triangles,
@@ -154,14 +159,15 @@ const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, Hi
     shapes.met[i] = 1;
     return &material;
   }
-  const Mesh& mesh = scene_->meshes[scene_->instances[object].mesh];
+  const Place& place = places_[object];
+  const Mesh& mesh = *place.mesh;
   const std::uint32_t primitive = hits.primitive[lane];
   const PacketMaterial& material = materials_[mesh.material_of(primitive)];
   if (material.kind == PacketMaterial::Kind::other || !mesh.colours.empty()) return nullptr;
-  const Place& place = places_[object];
   if (place.moves) return nullptr;
   const Mesh::Triangle& corner = mesh.triangles[primitive];
   const auto world = [&](std::uint32_t vertex) {
+    if (!place.corners.empty()) return place.corners[vertex];
     const Vec3d& p = mesh.positions[vertex];
     return Vec3f(place.as_is ? p : transform_point(place.to_world, p));
   };

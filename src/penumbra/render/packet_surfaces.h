@@ -38,14 +38,19 @@ void turn_towards_eye(const RayPacket& rays, std::size_t lane, PointLanes& point
 /// arithmetic.
 class PacketSurfaces {
  public:
-  explicit PacketSurfaces(const Scene& scene);
+  /// @param tracer whose vertices are read; it must outlive this.
+  explicit PacketSurfaces(const RayTracer& tracer) : PacketSurfaces(tracer.scene(), &tracer) {}
+  explicit PacketSurfaces(const Scene& scene) : PacketSurfaces(scene, nullptr) {}
 
   /// Whether everything in the scene rests and is matt, of one colour and without mirrors, so that no lane needs to be
   /// shaded by itself.
   [[nodiscard]] bool all_matt() const;
 
-  /// Asks for what `gather` will read, of all lanes at once: in large scenes memory is what it waits for.
-  void fetch(const HitPacket& hits, int used) const;
+  /// Ask for what `gather` will read, of all lanes at once, since in large scenes memory is what it waits for: first
+  /// which corners the triangles have, a while later the corners.
+  void fetch_triangles(const HitPacket& hits, int used) const;
+  void fetch_corners(const HitPacket& hits, int used) const;
+  void fetch(const HitPacket& hits, int used) const { fetch_triangles(hits, used), fetch_corners(hits, used); }
 
   /// Puts a hit lane's triangle or shape beside the others; returns its material, or none when the lane has to be
   /// shaded by itself. @pre the lane hit something.
@@ -60,7 +65,11 @@ class PacketSurfaces {
     bool mirrors = false;
     Mat4d to_world{1.0};
     Mat3d normals{1.0};
+    const Mesh* mesh = nullptr;
+    std::span<const Vec3f> corners;  ///< in the world, where the tracer has them
   };
+
+  PacketSurfaces(const Scene& scene, const RayTracer* tracer);
 
   const Scene* scene_;
   std::vector<PacketMaterial> materials_;

@@ -90,25 +90,33 @@ RayWaves::Wave& RayWaves::Batch::open_wave() {
   return wave;
 }
 
-void RayWaves::Batch::trace() {
+void RayWaves::Batch::trace(const Others& others, RayCounts& rays) {
+  others_ = &others;
+  rays_ = &rays;
   if (aimed_ < samples_.size()) aim(samples_.size() - aimed_);
-  count(rays_, RayPurpose::primary, 0, samples_.size());
+  count(rays, RayPurpose::primary, 0, samples_.size());
   for (depth_ = 0; next_count_ > 0; ++depth_) {
     std::swap(now_, next_);
-    const std::size_t waves = std::exchange(next_count_, 0);
-    // What a wave met is asked for from memory while the next one is traced.
-    HitPacket hits[2];
-    for (std::size_t i = 0; i <= waves; ++i) {
-      if (i < waves) {
-        Wave& wave = now_[i];
-        for (int lane = wave.used; lane < lanes; ++lane) wave.rays.active[lane] = 0;
-        owner_.tracer_.nearest(wave.rays, hits[i % 2], depth_ == 0);
-        owner_.surfaces_.fetch(hits[i % 2], wave.used);
-      }
-      if (i > 0) shade(now_[i - 1], hits[(i - 1) % 2]);
+    trace_waves(std::exchange(next_count_, 0));
+    count(rays, RayPurpose::reflection, depth_ + 1, std::exchange(reflections_, 0));
+    count(rays, RayPurpose::refraction, depth_ + 1, std::exchange(refractions_, 0));
+  }
+}
+
+// While waves are traced, memory brings what those before them met.
+void RayWaves::Batch::trace_waves(std::size_t waves) {
+  const PacketSurfaces& surfaces = owner_.surfaces_;
+  std::array<HitPacket, 3> hits;
+  const auto of = [&](std::size_t i) -> HitPacket& { return hits[i % hits.size()]; };
+  for (std::size_t i = 0; i < waves + 2; ++i) {
+    if (i < waves) {
+      Wave& wave = now_[i];
+      for (int lane = wave.used; lane < lanes; ++lane) wave.rays.active[lane] = 0;
+      owner_.tracer_.nearest(wave.rays, of(i), depth_ == 0);
+      surfaces.fetch_triangles(of(i), wave.used);
     }
-    count(rays_, RayPurpose::reflection, depth_ + 1, std::exchange(reflections_, 0));
-    count(rays_, RayPurpose::refraction, depth_ + 1, std::exchange(refractions_, 0));
+    if (i >= 1 && i - 1 < waves) surfaces.fetch_corners(of(i - 1), now_[i - 1].used);
+    if (i >= 2) shade(now_[i - 2], of(i - 2));
   }
 }
 
@@ -180,7 +188,7 @@ void RayWaves::Batch::hand_over(const Wave& wave, int lane) {
   const auto differential = owner_.filters() ? std::optional(wave.differential_of(i)) : std::nullopt;
   PixelSampler random = sampler(wave, lane);
   samples_[wave.sample[lane]].radiance +=
-      weight * others_.trace(wave.ray(lane), weight, depth_, differential, random, rays_);
+      weight * others_->trace(wave.ray(lane), weight, depth_, differential, random, *rays_);
 }
 
 // Emission, ambient light and what shadow rays may bring to each surface.
@@ -249,7 +257,7 @@ void RayWaves::Batch::light(const Wave& wave, Lit& lit) {
     std::uint64_t cast = 0;
     for (const std::int32_t a : lit.shadow.active) cast += a != 0 ? 1 : 0;
     if (cast == 0) continue;
-    count(rays_, RayPurpose::shadow, depth_, cast);
+    count(*rays_, RayPurpose::shadow, depth_, cast);
     owner_.packet_shadow_.transmittance(lit.shadow, is_fixed && depth_ == 0, passed);
     if (lit.any_gloss) {
       add_glossy_light(wave.rays, lit.points, lit.gloss, lit.reflectance, on_light.radiance, passed, lit.geometry,

@@ -34,12 +34,12 @@ struct alignas(64) RayWaves::LightPoints {
 /// The samples that are drawn together, from their camera rays to the last wave.
 class RayWaves::Batch {
  public:
-  Batch(const RayWaves& owner, const Others& others, RayCounts& rays) : owner_(owner), others_(others), rays_(rays) {}
+  explicit Batch(const RayWaves& owner) : owner_(owner) {}
 
   /// Takes the samples of a block in.
   void start(const PixelBlock& block);
-  /// Follows all of them to their ends.
-  void trace();
+  /// Follows all of them to their ends and counts the rays.
+  void trace(const Others& others, RayCounts& rays);
   void add_to(Film& film) const { add_samples(samples_, film); }
   void clear() { samples_.clear(), aimed_ = 0; }
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
@@ -48,6 +48,7 @@ class RayWaves::Batch {
   struct Lit;
 
   void aim(std::size_t count);
+  void trace_waves(std::size_t waves);
   void shade(const Wave& wave, const HitPacket& hits);
   void classify(const Wave& wave, Lit& lit);
   void hand_over(const Wave& wave, int lane);
@@ -64,14 +65,14 @@ class RayWaves::Batch {
   [[nodiscard]] PixelSampler sampler(const Wave& wave, int lane) const;
 
   const RayWaves& owner_;
-  const Others& others_;
-  RayCounts& rays_;
   std::vector<PixelSample> samples_;
   std::size_t aimed_ = 0;  // of the samples
   std::vector<Wave> now_, next_;
   std::size_t next_count_ = 0;
   int depth_ = 0;
   std::uint64_t reflections_ = 0, refractions_ = 0;  // in the next wave
+  const Others* others_ = nullptr;                   // while it traces
+  RayCounts* rays_ = nullptr;
 };
 
 }  // namespace penumbra

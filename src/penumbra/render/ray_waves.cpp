@@ -20,7 +20,7 @@ RayWaves::RayWaves(const RayTracer& tracer, const CameraRays& camera, const Ligh
       packet_lights_(std::move(packet_lights)),
       options_(options),
       shadow_(tracer, options.through_glass),
-      surfaces_(tracer.scene()),
+      surfaces_(tracer),
       packet_shadow_(tracer, surfaces_, shadow_) {
   for (const PacketLight& l : packet_lights_) {
     const PacketLight::Triangle point{.v0 = l.position,
@@ -47,15 +47,25 @@ std::unique_ptr<RayWaves> RayWaves::make(const RayTracer& tracer, const CameraRa
 }
 
 void RayWaves::render(std::span<const PixelBlock> blocks, const Others& others, Film& film, RayCounts& rays) const {
-  Batch batch(*this, others, rays);
+  std::unique_ptr<Batch> batch = take_batch();
   for (const PixelBlock& block : blocks) {
-    batch.start(block);
-    const bool full = batch.size() >= most_samples_a_batch;
+    batch->start(block);
+    const bool full = batch->size() >= most_samples_a_batch;
     if (!full && &block != &blocks.back()) continue;
-    batch.trace();
-    batch.add_to(film);
-    batch.clear();
+    batch->trace(others, rays);
+    batch->add_to(film);
+    batch->clear();
   }
+  const std::scoped_lock lock(idle_lock_);
+  idle_.push_back(std::move(batch));
+}
+
+std::unique_ptr<RayWaves::Batch> RayWaves::take_batch() const {
+  const std::scoped_lock lock(idle_lock_);
+  if (idle_.empty()) return std::make_unique<Batch>(*this);
+  std::unique_ptr<Batch> batch = std::move(idle_.back());
+  idle_.pop_back();
+  return batch;
 }
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 
@@ -60,6 +61,8 @@ class RayWaves {
   RayWaves(const RayTracer& tracer, const CameraRays& camera, const LightSampler& lights,
            std::vector<PacketLight> packet_lights, const Options& options);
 
+  [[nodiscard]] std::unique_ptr<Batch> take_batch() const;
+
   const RayTracer& tracer_;
   CameraPackets camera_;
   const LightSampler& lights_;
@@ -69,6 +72,8 @@ class RayWaves {
   PacketSurfaces surfaces_;
   PacketShadow packet_shadow_;
   std::vector<LightPoints> fixed_points_;  // by light: where all rays to it go, when it is met at one point
+  mutable std::mutex idle_lock_;
+  mutable std::vector<std::unique_ptr<Batch>> idle_;  // their memory is used again
 };
 
 }  // namespace penumbra

@@ -43,6 +43,10 @@ struct RenderOptions {
   /// least a hundredth of the picture's), has fallen to this get no more samples once they have 16; 0: all pixels get
   /// the same number.
   double noise = 0;
+  /// Sample where the picture has edges: after a first few samples a pixel gets all only where its colour and that of a
+  /// neighbour differ by more than this share of their sum (contrasted_pixels), and keeps the first few elsewhere; 0:
+  /// all pixels get the same number. Not with `noise`, nor with paths, which are noisy everywhere.
+  double contrast = 0;
   FilterKind filter = FilterKind::box;
   int max_depth = 0;  ///< longest path in segments after the primary ray; 0: 16 for whitted, no limit for path
   double min_throughput =

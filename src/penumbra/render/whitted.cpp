@@ -1,12 +1,8 @@
 #include "penumbra/render/airlight.h"
-#include "penumbra/render/direct_light.h"
 #include "penumbra/render/first_surface.h"
-#include "penumbra/render/integrator.h"
 #include "penumbra/render/ray_tally.h"
-#include "penumbra/render/ray_waves.h"
-#include "penumbra/render/shadow_scout.h"
 #include "penumbra/render/spectral_sample.h"
-#include "penumbra/tracing/shading/specular_tree.h"
+#include "penumbra/render/wave_integrator.h"
 
 namespace penumbra {
 namespace {
@@ -16,36 +12,17 @@ constexpr int default_depth = 16;
 /// Whitted 1979: shadow rays to every light, mirror and refraction rays followed recursively, until their weight falls
 /// below a bound or the depth is reached; what they bring is returned up the tree.
 ///
-/// Where surfaces and lights are plain, the recursion is unrolled into waves of rays (RayWaves).
-class Whitted final : public RayIntegrator, private RayWaves::Others {
+/// Where surfaces and lights are plain, the recursion is unrolled into waves of rays.
+class Whitted final : public WaveIntegrator {
  public:
   Whitted(const RayTracer& tracer, const CameraRays& camera, const RenderOptions& options)
-      : RayIntegrator(camera, options.seed),
-        camera_(camera),
-        textures_(tracer),
-        tree_(tracer, options.front_sides_only, &textures_),
-        direct_(tracer, options),
-        airlight_(direct_.lights(), direct_.shadow()),
+      : WaveIntegrator(tracer, camera, options),
+        tree_(tracer, options.front_sides_only, &textures()),
+        airlight_(direct().lights(), direct().shadow()),
         max_depth_(options.max_depth > 0 ? options.max_depth : default_depth),
         min_throughput_(static_cast<float>(options.min_throughput)),
         spectral_(options.spectral) {
-    if (direct_.is_selective()) direct_.send_more_at(scout_shadows(direct_, tree_, camera, options, first_pass_));
-    if (spectral_ || options.front_sides_only || !direct_.sends_one_ray_each()) return;
-    waves_ = RayWaves::make(tracer, camera_, direct_.lights(),
-                            {.max_depth = max_depth_,
-                             .min_throughput = min_throughput_,
-                             .at_middles = options.samples_per_pixel == 1,
-                             .through_glass = !options.opaque_shadows,
-                             .textures = &textures_,
-                             .seed = options.seed});
-  }
-
-  [[nodiscard]] RayCounts first_pass() const override { return first_pass_; }
-
-  using RayIntegrator::render;
-  void render(std::span<const PixelBlock> blocks, Film& film, RayCounts& rays) const override {
-    waves_ && !film.has_layers() ? waves_->render(blocks, *this, film, rays)
-                                 : RayIntegrator::render(blocks, film, rays);
+    prepare(tree_, options, {max_depth_, min_throughput_});
   }
 
   [[nodiscard]] PixelEstimate estimate(const Ray& ray, PixelSampler& sampler, RayCounts& rays) const override {
@@ -80,7 +57,7 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     }
 
     Rgb sky(const Ray& ray, const SpecularTree::Branch& branch) override {
-      const Rgb radiance = branch.bands.emission(owner_.direct_.lights().seen_in_sky(ray.direction));
+      const Rgb radiance = branch.bands.emission(owner_.direct().lights().seen_in_sky(ray.direction));
       if (branch.depth == 0) note_miss(seen_, airlight_ + radiance);
       return radiance;
     }
@@ -103,10 +80,10 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
    private:
     // Light of the lamps and of the ambient term that the surface scatters towards the eye.
     Rgb scattered(const SpecularTree::Node& node, const Bsdf& bsdf, const Bands& bands) {
-      Rgb radiance = bands.emission(owner_.direct_.lights().ambient()) * bsdf.diffuse_reflectance();
+      Rgb radiance = bands.emission(owner_.direct().lights().ambient()) * bsdf.diffuse_reflectance();
       if (bsdf.has_spread()) {
-        radiance += owner_.direct_.reflected(node.point, bsdf, node.wo, followed_roughness, node.branch.depth, sampler_,
-                                             rays_, bands);
+        radiance += owner_.direct().reflected(node.point, bsdf, node.wo, followed_roughness, node.branch.depth,
+                                              sampler_, rays_, bands);
       }
       return radiance;
     }
@@ -136,16 +113,11 @@ class Whitted final : public RayIntegrator, private RayWaves::Others {
     return tree_.trace(ray, {.weight = weight, .depth = depth, .start = ray.origin, .differential = differential}, eye);
   }
 
-  CameraRays camera_;
-  FilteredTextures textures_;
   SpecularTree tree_;
-  DirectLight direct_;
   Airlight airlight_;
-  RayCounts first_pass_;
   int max_depth_;
   float min_throughput_;
   bool spectral_;
-  std::unique_ptr<RayWaves> waves_;
 };
 
 }  // namespace

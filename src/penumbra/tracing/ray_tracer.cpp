@@ -133,7 +133,8 @@ struct RayTracer::Impl {
   std::vector<Entry> entries;  // by geometry number of `world`
   std::vector<std::unique_ptr<ShapeEntry>> shapes;
   std::vector<std::unique_ptr<MaskEntry>> masks;
-  std::vector<PlacedMesh> placed;  // by instance
+  std::vector<PlacedMesh> placed;                      // by instance
+  std::vector<std::span<const Vec3f>> world_vertices;  // by instance; the hierarchy's own
   Bounds bounds;
   bool native_packets = false;
   bool any_turned = false;
@@ -220,7 +221,10 @@ void RayTracer::Impl::attach_triangles(RTCScene target, const Mesh& mesh, const 
   }
   rtcCommitGeometry(geometry);
   const unsigned number = rtcAttachGeometry(target, geometry);
-  if (target == world.get()) add_entry(number, object, placed[object].mirrors());
+  if (target == world.get()) {
+    add_entry(number, object, placed[object].mirrors());
+    world_vertices[object] = {reinterpret_cast<const Vec3f*>(vertices), mesh.positions.size()};
+  }
   rtcReleaseGeometry(geometry);
 }
 
@@ -229,6 +233,7 @@ void RayTracer::Impl::attach_instances() {
   std::vector<std::uint32_t> uses(scene->meshes.size(), 0);
   for (const Instance& i : scene->instances) ++uses[i.mesh];
   meshes.resize(scene->meshes.size());
+  world_vertices.resize(scene->instances.size());
   for (std::uint32_t object = 0; object < scene->instances.size(); ++object) {
     const Instance& instance = scene->instances[object];
     const Mesh& mesh = scene->meshes[instance.mesh];
@@ -525,6 +530,10 @@ SurfaceChange RayTracer::surface_change(const SurfacePoint& point, const Vec3d& 
     return impl_->placed_at(point.object, point.time).change(point.primitive, point.position, step);
   }
   return impl_->placed[point.object].change(point.primitive, point.position, step);
+}
+
+std::span<const Vec3f> RayTracer::world_vertices(std::uint32_t object) const {
+  return object < impl_->world_vertices.size() ? impl_->world_vertices[object] : std::span<const Vec3f>();
 }
 
 bool RayTracer::has_motion() const { return impl_->any_motion; }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "penumbra/math/ray.h"
 #include "penumbra/scene/scene.h"
@@ -43,6 +44,10 @@ class RayTracer {
   /// How texture coordinates and normal change when `point` moves by `step` over its surface, to first order.
   /// @param step m, tangent to the geometry.
   [[nodiscard]] SurfaceChange surface_change(const SurfacePoint& point, const Vec3d& step) const;
+
+  /// The vertices of an instance in the world, single precision, in the order of its mesh; empty where the hierarchy
+  /// has none: of instances that move or share their mesh with others.
+  [[nodiscard]] std::span<const Vec3f> world_vertices(std::uint32_t object) const;
 
   /// Whether any object moves while the shutter is open: rays then see it by their time.
   [[nodiscard]] bool has_motion() const;

@@ -134,9 +134,23 @@ HWY_INLINE void take_nearer(const Meet& meet, std::size_t l, double entry, Neare
   hn::Store(hn::IfThenElse(met, hn::Set(d, entry), hn::Load(d, best.entry + l)), d, best.entry + l);
 }
 
-void nearest_lanes(const RayPacket& rays, std::span<const ShapeList::Sieve> sieves,
-                   std::span<const ShapeList::SphereEntry> spheres, std::span<const ShapeList::PlaneEntry> planes,
-                   float slack, std::uint32_t active, double* t, double* entry) {
+// Visits the spheres that lanes of `active` may meet, with those lanes; `visit` returns the lanes still to be served.
+template <class Visit>
+HWY_INLINE void sift_all(const SievedRays& rays, const ShapeList::Spheres& spheres, std::uint32_t active,
+                         const Visit& visit) {
+  for (std::size_t g = 0; g < spheres.groups.size() && active != 0; ++g) {
+    if ((sift(rays, spheres.around[g / ShapeList::Sieve::size], g % ShapeList::Sieve::size) & active) == 0) continue;
+    const ShapeList::Group& group = spheres.groups[g];
+    for (std::size_t k = 0; k < group.count; ++k) {
+      const std::uint32_t may = sift(rays, group.sieve, k) & active;
+      if (may != 0) active = visit(group.first + k, may, active);
+    }
+  }
+}
+
+void nearest_lanes(const RayPacket& rays, const ShapeList::Spheres& spheres,
+                   std::span<const ShapeList::PlaneEntry> planes, float slack, std::uint32_t active, double* t,
+                   double* entry) {
   const D d;
   const std::size_t n = hn::Lanes(d);
   const std::uint32_t all = (1U << n) - 1U;
@@ -147,19 +161,20 @@ void nearest_lanes(const RayPacket& rays, std::span<const ShapeList::Sieve> siev
     if ((active >> l & all) == 0) continue;
     for (std::size_t i = 0; i < planes.size(); ++i) {
       take_nearer([&](VD before, VD& at) { return meet_plane(rays, l, planes[i].plane, before, at); }, l,
-                  static_cast<double>(spheres.size() + i), best);
+                  static_cast<double>(spheres.entries.size() + i), best);
     }
   }
-  SievedRays sieved;
-  if (!spheres.empty()) prepare(rays, slack, sieved);
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const std::uint32_t may = sift(sieved, sieves[i / ShapeList::Sieve::size], i % ShapeList::Sieve::size) & active;
-    if (may == 0) continue;
-    for (std::size_t l = 0; l < packet; l += n) {
-      if ((may >> l & all) == 0) continue;
-      take_nearer([&](VD before, VD& at) { return meet_sphere(rays, l, spheres[i].sphere, before, at); }, l,
-                  static_cast<double>(i), best);
-    }
+  if (!spheres.entries.empty()) {
+    SievedRays sieved;
+    prepare(rays, slack, sieved);
+    sift_all(sieved, spheres, active, [&](std::size_t i, std::uint32_t may, std::uint32_t left) {
+      for (std::size_t l = 0; l < packet; l += n) {
+        if ((may >> l & all) == 0) continue;
+        take_nearer([&](VD before, VD& at) { return meet_sphere(rays, l, spheres.entries[i].sphere, before, at); }, l,
+                    static_cast<double>(i), best);
+      }
+      return left;
+    });
   }
   for (std::size_t i = 0; i < packet; ++i) t[i] = best.t[i], entry[i] = best.entry[i];
 }
@@ -171,9 +186,8 @@ HWY_INLINE std::uint32_t bits_of(hn::Mask<D> mask) {
 }
 
 // The lanes of `active` in whose way nothing stands.
-std::uint32_t free_lanes(const RayPacket& rays, std::span<const ShapeList::Sieve> sieves,
-                         std::span<const ShapeList::SphereEntry> spheres, std::span<const ShapeList::PlaneEntry> planes,
-                         float slack, std::uint32_t active) {
+std::uint32_t free_lanes(const RayPacket& rays, const ShapeList::Spheres& spheres,
+                         std::span<const ShapeList::PlaneEntry> planes, float slack, std::uint32_t active) {
   const D d;
   const std::size_t n = hn::Lanes(d);
   const std::uint32_t all = (1U << n) - 1U;
@@ -184,17 +198,16 @@ std::uint32_t free_lanes(const RayPacket& rays, std::span<const ShapeList::Sieve
       active &= ~(bits_of(meet_plane(rays, l, p.plane, promoted(rays.t_max + l), t)) << l);
     }
   }
-  if (spheres.empty() || active == 0) return active;
+  if (spheres.entries.empty() || active == 0) return active;
   SievedRays sieved;
   prepare(rays, slack, sieved);
-  for (std::size_t i = 0; i < spheres.size() && active != 0; ++i) {
-    const std::uint32_t may = sift(sieved, sieves[i / ShapeList::Sieve::size], i % ShapeList::Sieve::size) & active;
-    if (may == 0) continue;
+  sift_all(sieved, spheres, active, [&](std::size_t i, std::uint32_t may, std::uint32_t) {
     for (std::size_t l = 0; l < packet; l += n) {
       if ((may >> l & all) == 0) continue;
-      active &= ~(bits_of(meet_sphere(rays, l, spheres[i].sphere, promoted(rays.t_max + l), t)) << l);
+      active &= ~(bits_of(meet_sphere(rays, l, spheres.entries[i].sphere, promoted(rays.t_max + l), t)) << l);
     }
-  }
+    return active;
+  });
   return active;
 }
 
@@ -268,20 +281,94 @@ void ShapeList::add(const Shape& shape, std::uint32_t object) {
     others_.push_back({shape, object});
     return;
   }
-  const std::size_t i = spheres_.size() % Sieve::size;
-  if (i == 0) {
-    Sieve unmet{};
-    std::fill(std::begin(unmet.reach), std::end(unmet.reach), -std::numeric_limits<float>::infinity());
-    sieves_.push_back(unmet);
-  }
-  spheres_.push_back({*sphere, object});
-  Sieve& sieve = sieves_.back();
-  const Vec3f c(sphere->centre);
+  spheres_.entries.push_back({*sphere, object});
+  arrange();
+}
+
+namespace {
+
+constexpr std::uint32_t most_in_group = 8;
+
+ShapeList::Sieve unmet() {
+  ShapeList::Sieve sieve{};
+  std::fill(std::begin(sieve.reach), std::end(sieve.reach), -std::numeric_limits<float>::infinity());
+  return sieve;
+}
+
+void put(const Sphere& sphere, std::size_t i, ShapeList::Sieve& sieve) {
+  const Vec3f c(sphere.centre);
   sieve.centre_x[i] = c.x, sieve.centre_y[i] = c.y, sieve.centre_z[i] = c.z;
   sieve.minus_x[i] = -2 * c.x, sieve.minus_y[i] = -2 * c.y, sieve.minus_z[i] = -2 * c.z;
   const double c2 = dot(Vec3d(c), Vec3d(c));
-  sieve.reach[i] = static_cast<float>(sphere->radius * sphere->radius * (1 + slack) - c2 * (1 - slack));
+  sieve.reach[i] = static_cast<float>(sphere.radius * sphere.radius * (1 + slack) - c2 * (1 - slack));
 }
+
+Sphere ball_around(std::span<const ShapeList::SphereEntry> spheres) {
+  Bounds box;
+  for (const auto& s : spheres) box.grow(s.sphere.centre);
+  Sphere ball{0.5 * (box.lower + box.upper), 0};
+  for (const auto& s : spheres) {
+    ball.radius = std::max(ball.radius, length(s.sphere.centre - ball.centre) + s.sphere.radius);
+  }
+  ball.radius *= 1 + 1e-6;  // the sieve has its centre in single precision
+  ball.radius += 1e-6 * length(ball.centre);
+  return ball;
+}
+
+}  // namespace
+
+void ShapeList::arrange() {
+  spheres_.around.clear();
+  spheres_.groups.clear();
+  split(0, static_cast<std::uint32_t>(spheres_.entries.size()));
+}
+
+// Halves at the median along the longest side until a group is small enough.
+void ShapeList::split(std::uint32_t first, std::uint32_t last) {
+  const auto members = std::span(spheres_.entries).subspan(first, last - first);
+  if (members.size() > most_in_group) {
+    Bounds box;
+    for (const SphereEntry& s : members) box.grow(s.sphere.centre);
+    const Vec3d side = box.upper - box.lower;
+    const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+    std::sort(members.begin(), members.end(), [&](const SphereEntry& a, const SphereEntry& b) {
+      const double u = a.sphere.centre[axis], v = b.sphere.centre[axis];
+      return u != v ? u < v : a.object < b.object;
+    });
+    const std::uint32_t middle = first + (last - first) / 2;
+    split(first, middle);
+    split(middle, last);
+    return;
+  }
+  const std::size_t number = spheres_.groups.size();
+  if (number % Sieve::size == 0) spheres_.around.push_back(unmet());
+  put(ball_around(members), number % Sieve::size, spheres_.around.back());
+  Group& group = spheres_.groups.emplace_back(Group{unmet(), first, last - first});
+  for (std::size_t i = 0; i < members.size(); ++i) put(members[i].sphere, i, group.sieve);
+}
+
+namespace {
+
+// Calls `visit` with the number of each sphere that a line may meet, until it returns true.
+template <class Visit>
+bool sift_line(const ShapeList::Spheres& spheres, const Ray& ray, const Visit& visit) {
+  if (spheres.groups.empty()) return false;
+  const Line line(ray);
+  for (std::size_t k = 0; k < spheres.around.size(); ++k) {
+    std::uint32_t groups = HWY_DYNAMIC_DISPATCH(sift_spheres)(spheres.around[k], line.values);
+    for (; groups != 0; groups &= groups - 1) {
+      const auto number = ShapeList::Sieve::size * k + static_cast<std::size_t>(__builtin_ctz(groups));
+      const ShapeList::Group& group = spheres.groups[number];
+      std::uint32_t may = HWY_DYNAMIC_DISPATCH(sift_spheres)(group.sieve, line.values);
+      for (; may != 0; may &= may - 1) {
+        if (visit(group.first + static_cast<std::size_t>(__builtin_ctz(may)))) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
 
 std::optional<ShapeList::Crossing> ShapeList::nearest(const Ray& ray) const {
   std::optional<Crossing> best;
@@ -290,15 +377,10 @@ std::optional<ShapeList::Crossing> ShapeList::nearest(const Ray& ray) const {
     if (const auto t = intersect(shape, rest)) best = Crossing{rest.t_max = *t, object};
   };
   for (const PlaneEntry& p : planes_) take(p.plane, p.object);
-  if (!sieves_.empty()) {
-    const Line line(ray);
-    for (std::size_t k = 0; k < sieves_.size(); ++k) {
-      for (std::uint32_t may = HWY_DYNAMIC_DISPATCH(sift_spheres)(sieves_[k], line.values); may != 0; may &= may - 1) {
-        const SphereEntry& s = spheres_[Sieve::size * k + static_cast<std::size_t>(__builtin_ctz(may))];
-        take(s.sphere, s.object);
-      }
-    }
-  }
+  sift_line(spheres_, ray, [&](std::size_t i) {
+    take(spheres_.entries[i].sphere, spheres_.entries[i].object);
+    return false;
+  });
   for (const OtherEntry& o : others_) {
     std::visit([&](const auto& shape) { take(shape, o.object); }, o.shape);
   }
@@ -309,15 +391,8 @@ bool ShapeList::occluded(const Ray& ray) const {
   for (const PlaneEntry& p : planes_) {
     if (intersect(p.plane, ray)) return true;
   }
-  if (!sieves_.empty()) {
-    const Line line(ray);
-    for (std::size_t k = 0; k < sieves_.size(); ++k) {
-      for (std::uint32_t may = HWY_DYNAMIC_DISPATCH(sift_spheres)(sieves_[k], line.values); may != 0; may &= may - 1) {
-        if (intersect(spheres_[Sieve::size * k + static_cast<std::size_t>(__builtin_ctz(may))].sphere, ray))
-          return true;
-      }
-    }
-  }
+  const auto is_met = [&](std::size_t i) { return intersect(spheres_.entries[i].sphere, ray).has_value(); };
+  if (sift_line(spheres_, ray, is_met)) return true;
   for (const OtherEntry& o : others_) {
     if (std::visit([&](const auto& shape) { return intersect(shape, ray).has_value(); }, o.shape)) return true;
   }
@@ -328,7 +403,7 @@ void ShapeList::nearest(const RayPacket& rays, HitPacket& hits) const {
   alignas(64) double t[RayPacket::size];
   alignas(64) double entry[RayPacket::size];
   const std::uint32_t active = active_bits(rays);
-  HWY_DYNAMIC_DISPATCH(nearest_lanes)(rays, sieves_, spheres_, planes_, slack, active, t, entry);
+  HWY_DYNAMIC_DISPATCH(nearest_lanes)(rays, spheres_, planes_, slack, active, t, entry);
   for (int i = 0; i < RayPacket::size; ++i) {
     hits.object[i] = HitPacket::no_hit;
     hits.t[i] = rays.t_max[i];
@@ -337,10 +412,10 @@ void ShapeList::nearest(const RayPacket& rays, HitPacket& hits) const {
     const Ray ray = lane_ray(rays, i, t[i]);
     if (entry[i] >= 0) {
       const auto number = static_cast<std::size_t>(entry[i]);
-      const bool is_sphere = number < spheres_.size();
-      hits.object[i] = is_sphere ? spheres_[number].object : planes_[number - spheres_.size()].object;
-      normal =
-          is_sphere ? ray.at(t[i]) - spheres_[number].sphere.centre : planes_[number - spheres_.size()].plane.normal;
+      const std::size_t spheres = spheres_.entries.size();
+      hits.object[i] = number < spheres ? spheres_.entries[number].object : planes_[number - spheres].object;
+      normal = number < spheres ? ray.at(t[i]) - spheres_.entries[number].sphere.centre
+                                : planes_[number - spheres].plane.normal;
     }
     for (const OtherEntry& o : others_) {
       const Ray rest = lane_ray(rays, i, t[i]);
@@ -361,7 +436,7 @@ void ShapeList::nearest(const RayPacket& rays, HitPacket& hits) const {
 }
 
 void ShapeList::occluded(RayPacket& rays) const {
-  std::uint32_t free = HWY_DYNAMIC_DISPATCH(free_lanes)(rays, sieves_, spheres_, planes_, slack, active_bits(rays));
+  std::uint32_t free = HWY_DYNAMIC_DISPATCH(free_lanes)(rays, spheres_, planes_, slack, active_bits(rays));
   for (int i = 0; i < RayPacket::size; ++i) {
     if ((free >> i & 1U) == 0) continue;
     const Ray ray = lane_ray(rays, i, rays.t_max[i]);

@@ -14,8 +14,8 @@ namespace penumbra {
 /// A short list of exact shapes, met one after the other without a hierarchy: for a few dozen spheres that is faster,
 /// since sixteen rays, or sixteen spheres, are tried at once.
 ///
-/// Spheres are first sifted in single precision by a test that never loses one that is met; what passes is intersected
-/// in double precision as `intersect` does, to the same bits.
+/// Spheres stand in groups of neighbours. Groups, then their spheres, are sifted in single precision by a test that
+/// never loses one that is met; what passes is intersected in double precision as `intersect` does, to the same bits.
 class ShapeList {
  public:
   /// Up to how many spheres the list is the faster way (measured, bench/render).
@@ -23,7 +23,7 @@ class ShapeList {
 
   /// @param object its number in the scene.
   void add(const Shape& shape, std::uint32_t object);
-  [[nodiscard]] bool empty() const { return spheres_.empty() && planes_.empty() && others_.empty(); }
+  [[nodiscard]] bool empty() const { return spheres_.entries.empty() && planes_.empty() && others_.empty(); }
 
   struct Crossing {
     double t = 0;  ///< along the ray, m
@@ -51,6 +51,17 @@ class ShapeList {
     Sphere sphere;
     std::uint32_t object;
   };
+  /// Neighbours: spheres [first, first + count) in the list's order.
+  struct Group {
+    Sieve sieve;
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  };
+  struct Spheres {
+    std::vector<Sieve> around;  ///< balls around the groups, sixteen each
+    std::vector<Group> groups;
+    std::vector<SphereEntry> entries;
+  };
   struct PlaneEntry {
     Plane plane;
     std::uint32_t object;
@@ -61,8 +72,10 @@ class ShapeList {
   };
 
  private:
-  std::vector<Sieve> sieves_;  // sixteen spheres each, the last one's rest is never met
-  std::vector<SphereEntry> spheres_;
+  void arrange();
+  void split(std::uint32_t first, std::uint32_t last);
+
+  Spheres spheres_;
   std::vector<PlaneEntry> planes_;
   std::vector<OtherEntry> others_;
 };
