@@ -105,8 +105,9 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
       });
   parser.value(
       "--spp", "N",
-      "samples a pixel, at most with --noise and --contrast; particles a pixel for light (default: 4; 64 for path and "
-      "light; 4096 with --noise, 9 with --contrast)",
+      "samples a pixel, at most with --noise and --edge-contrast; particles a pixel for light (default: 4; 64 for path "
+      "and "
+      "light; 4096 with --noise, 9 with --edge-contrast)",
       [&](const OptionValue& v) { given.samples = static_cast<int>(whole_number(v, 1, most_samples, "samples")); });
   parser.value(
       "--noise", "X",
@@ -117,13 +118,13 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
         if (options.noise >= 1) throw UsageError("--noise takes a share below 1, not '" + v.text + "'");
       });
   parser.value(
-      "--contrast", "X",
+      "--edge-contrast", "X",
       "adaptive sampling of edges: one sample a pixel (4 with soft light), and --spp where its colour differs from a "
       "neighbour's by more than X of their sum, such as 0.1; not for path and light (default: the same number "
       "everywhere)",
       [&](const OptionValue& v) {
         options.contrast = number_above_zero(v, "a share above 0 and below 1, such as 0.1");
-        if (options.contrast >= 1) throw UsageError("--contrast takes a share below 1, not '" + v.text + "'");
+        if (options.contrast >= 1) throw UsageError("--edge-contrast takes a share below 1, not '" + v.text + "'");
       });
   parser.value("--filter", "NAME",
                "how samples become pixels: box, tent, gaussian, mitchell or blackman-harris (default: box)",
@@ -216,10 +217,10 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   if (light && options.filter != FilterKind::box) refuse("--filter", "whose pixels count particles");
   if (light && !options.aovs.empty()) refuse("--aov", "which sends no rays from the eye");
   if (options.contrast > 0 && options.noise > 0) {
-    throw UsageError("--contrast and --noise both say where samples go; leave one away");
+    throw UsageError("--edge-contrast and --noise both say where samples go; leave one away");
   }
-  if (path && options.contrast > 0) refuse("--contrast", "whose pixels differ by noise everywhere; use --noise");
-  if (light && options.contrast > 0) refuse("--contrast", "whose particles go where the light does");
+  if (path && options.contrast > 0) refuse("--edge-contrast", "whose pixels differ by noise everywhere; use --noise");
+  if (light && options.contrast > 0) refuse("--edge-contrast", "whose particles go where the light does");
   const bool has_caustics = path || two_pass || radiosity;
   if (!has_caustics && given.no_caustics) {
     refuse("--no-caustics", light ? "whose particles bring them along" : "which has none");

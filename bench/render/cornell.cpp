@@ -1,6 +1,6 @@
 // The Cornell box of 256 x 256 pixels against a reference of 0.5 % noise (tests/data/cornell_reference): the error of
 // means over 4 x 4 pixels relative to the mean, the lamp left out, and of single pixels. Blender's Cycles draws the
-// same box, exported as glTF, where it is installed.
+// same box, exported as glTF, where it is installed: its materials are made matt and its pixels boxes, as ours are.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,6 +13,7 @@
 #include <iterator>
 
 #include "penumbra/image/image_io.h"
+#include "penumbra/scene/builtin_scenes.h"
 #include "section.h"
 
 namespace penumbra::bench {
@@ -63,12 +64,22 @@ double error(const Image& a, const Image& reference, int block) {
   return std::sqrt(squares / blocks) / (sum / blocks);
 }
 
+/// What the script needs to know of each material: its colour and what it emits.
+nlohmann::json materials_of(const Scene& scene) {
+  nlohmann::json all;
+  for (const Material& m : scene.materials) {
+    const auto words = [](const Rgb& c) { return nlohmann::json{c.x, c.y, c.z}; };
+    all[m.name] = {words(m.base_colour), words(m.emission)};
+  }
+  return all;
+}
+
 struct Setting {
   std::string name;
   std::string command;  ///< writes picture.exr
 };
 
-constexpr const char* cycles_script = R"(import bpy, numpy, sys
+constexpr const char* cycles_script = R"(import bpy, json, numpy, sys
 numpy.bool = bool  # the glTF importer of Debian 12's Blender wants an older numpy
 folder, samples = sys.argv[-2], int(sys.argv[-1])
 bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -85,6 +96,20 @@ scene.cycles.use_adaptive_sampling = False
 scene.cycles.use_denoising = False
 scene.cycles.max_bounces = scene.cycles.diffuse_bounces = 64
 scene.cycles.sample_clamp_indirect = 0
+scene.cycles.pixel_filter_type = "BOX"
+scene.cycles.filter_width = 1
+for material in bpy.data.materials:
+    colour, emission = json.load(open(folder + "/materials.json")).get(material.name, (None, None))
+    if colour is None:
+        continue
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    strength = max(emission)
+    shader = nodes.new("ShaderNodeEmission" if strength > 0 else "ShaderNodeBsdfDiffuse")
+    shader.inputs["Color"].default_value = [c / strength for c in emission] + [1] if strength > 0 else colour + [1]
+    if strength > 0:
+        shader.inputs["Strength"].default_value = strength
+    links.new(shader.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
 scene.view_settings.view_transform = "Raw"
 scene.render.image_settings.file_format = "OPEN_EXR"
 scene.render.image_settings.color_depth = "32"
@@ -112,6 +137,7 @@ nlohmann::json compare_cornell_box(const Arguments& a) {
   const bool has_blender = std::system("command -v blender >/dev/null 2>&1") == 0;
   if (has_blender) {
     std::ofstream(folder / "cycles.py") << cycles_script;
+    std::ofstream(folder / "materials.json") << materials_of(make_builtin_scene("cornell-box"));
     (void)!std::system(fmt::format("{} scene cornell-box -o {}/box.glb -q >/dev/null 2>&1", a.program, at).c_str());
     for (const int spp : {16, 64, 256}) {
       if (a.quick && spp > 16) continue;

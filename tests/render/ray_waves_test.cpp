@@ -82,6 +82,30 @@ TEST(RayWaves, MeshesLampsAndGlassAreThoseOfTheRecursion) {
   expect_the_scalar_picture(scene, small_picture(IntegratorKind::whitted, 1), 2e-3);
 }
 
+// Rough layers over matt bases of two widths, and lamps seen through several panes of clear glass, round and flat.
+TEST(RayWaves, GlossAndShadowsThroughGlassAreThoseOfTheRecursion) {
+  Scene scene = make_builtin_scene("cornell-box");
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    Material& m = scene.materials[i];
+    if (m.emits()) continue;
+    m.specular = i % 2 == 0 ? 1.0F : 0.6F;
+    m.specular_colour = {1, 0.8F, 0.5F};
+    m.roughness = 0.15F + 0.2F * static_cast<float>(i);
+  }
+  Material tinted = testing::glass(1.4F);
+  tinted.base_colour = {0.9F, 0.7F, 0.8F};
+  testing::add_shape(scene, Sphere{{0.35, 0.4, 0.3}, 0.1}, tinted);
+  testing::add_shape(scene, Sphere{{0.35, 0.25, 0.3}, 0.06}, testing::glass(1.5F));
+  testing::add_mesh(scene, testing::box({0, 0, 0}, {0.15, 0.02, 0.15}), tinted);
+  scene.instances.back().to_world[3] = {0.1, 0.3, 0.2, 1};
+  AmbientLight ambient{Rgb(0.2F)};
+  scene.lights.push_back({"ambient", ambient});
+  for (const int samples : {1, 4}) {
+    expect_the_scalar_picture(scene, small_picture(IntegratorKind::appel, samples), 2e-3);
+  }
+  expect_the_scalar_picture(scene, small_picture(IntegratorKind::whitted, 1), 2e-3);
+}
+
 // Deeper in the tree random numbers are drawn in another order: the same mean, by other samples.
 TEST(RayWaves, SoftShadowsInMirrorsHaveTheSameMean) {
   Scene scene = make_builtin_scene("cornell-box");
