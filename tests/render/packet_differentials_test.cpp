@@ -130,7 +130,8 @@ TEST(PacketDifferentials, ChequersAreAveragedAsOneByOne) {
       }
       average_checkers(points, inverse, footprints, shares);
       for (std::size_t i = 0; i < n; ++i) {
-        if (inverse[i] > 0) EXPECT_NEAR(shares[i], expected[i], 2e-3) << size << " " << far << " " << i;
+        if (inverse[i] == 0) continue;
+        EXPECT_NEAR(shares[i], expected[i], 2e-3) << size << " " << far << " " << i;
       }
     }
   }
