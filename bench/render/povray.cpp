@@ -120,7 +120,7 @@ nlohmann::json compare_with_povray(const Arguments& a) {
     const char* theirs;
     const char* ours;
   };
-  const Case cases[] = {{"plain", "-A", "--spp 1"}, {"anti-aliased", "+A0.3 +R3", "--spp 9 --edge-contrast 0.1"}};
+  const Case cases[] = {{"plain", "-A", "--spp 1"}, {"anti-aliased", "+A0.3 +R3", "--spp 9 --edge-contrast 0.4"}};
   for (const Case& c : cases) {
     const Cost ours =
         best_of(runs, fmt::format("{} render builtin:whitted --size 800x600 {} --threads 2 -q --stats {}/stats.json "

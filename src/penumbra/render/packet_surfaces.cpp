@@ -90,6 +90,21 @@ PacketSurfaces::PacketSurfaces(const Scene& scene, const RayTracer* tracer) : sc
                        .corners = tracer != nullptr ? tracer->world_vertices(static_cast<std::uint32_t>(places_.size()))
                                                     : std::span<const Vec3f>()});
   }
+  for (const ShapeObject& o : scene_->shapes) {
+    RoundOrFlat& to = shapes_.emplace_back();
+    if (const auto* sphere = std::get_if<Sphere>(&o.shape)) {
+      to.centre = Vec3f(sphere->centre);
+      to.radius = static_cast<float>(sphere->radius);
+    } else if (const auto* plane = std::get_if<Plane>(&o.shape)) {
+      to.centre = Vec3f(plane->point);
+      to.normal = Vec3f(plane->normal);
+      to.flat = 1;
+    } else {
+      continue;
+    }
+    const PacketMaterial& material = materials_[o.material];
+    if (material.kind != PacketMaterial::Kind::other) to.material = &material;
+  }
 }
 
 bool PacketSurfaces::all_matt() const {
@@ -109,11 +124,15 @@ bool PacketSurfaces::all_matt() const {
   return true;
 }
 
+namespace {
+
 #if defined(__GNUC__)
 inline void ask_for(const void* at) { __builtin_prefetch(at); }
 #else
 inline void ask_for(const void*) {}
 #endif
+
+}  // namespace
 
 void PacketSurfaces::fetch_triangles(const HitPacket& hits, int used) const {
   for (int lane = 0; lane < used; ++lane) {
@@ -139,25 +158,15 @@ const PacketMaterial* PacketSurfaces::gather(const HitPacket& hits, int lane, Hi
   const auto i = static_cast<std::size_t>(lane);
   const std::uint32_t object = hits.object[lane];
   if (object >= scene_->instances.size()) {
-    const ShapeObject& o = scene_->shapes[object - scene_->instances.size()];
-    const PacketMaterial& material = materials_[o.material];
-    if (material.kind == PacketMaterial::Kind::other) return nullptr;
-    if (const auto* sphere = std::get_if<Sphere>(&o.shape)) {
-      shapes.centre.set(lane, Vec3f(sphere->centre));
-      shapes.normal.set(lane, Vec3f(0));
-      shapes.radius[i] = static_cast<float>(sphere->radius);
-      shapes.flat[i] = 0;
-    } else if (const auto* plane = std::get_if<Plane>(&o.shape)) {
-      shapes.centre.set(lane, Vec3f(plane->point));
-      shapes.normal.set(lane, Vec3f(plane->normal));
-      shapes.radius[i] = 0;
-      shapes.flat[i] = 1;
-    } else {
-      return nullptr;
-    }
+    const RoundOrFlat& shape = shapes_[object - scene_->instances.size()];
+    if (shape.material == nullptr) return nullptr;
+    shapes.centre.set(lane, shape.centre);
+    shapes.normal.set(lane, shape.normal);
+    shapes.radius[i] = shape.radius;
+    shapes.flat[i] = shape.flat;
     shapes.t[i] = hits.t[lane];
     shapes.met[i] = 1;
-    return &material;
+    return shape.material;
   }
   const Place& place = places_[object];
   const Mesh& mesh = *place.mesh;

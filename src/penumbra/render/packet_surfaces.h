@@ -41,6 +41,8 @@ class PacketSurfaces {
   /// @param tracer whose vertices are read; it must outlive this.
   explicit PacketSurfaces(const RayTracer& tracer) : PacketSurfaces(tracer.scene(), &tracer) {}
   explicit PacketSurfaces(const Scene& scene) : PacketSurfaces(scene, nullptr) {}
+  PacketSurfaces(const PacketSurfaces&) = delete;
+  PacketSurfaces& operator=(const PacketSurfaces&) = delete;
 
   /// Whether everything in the scene rests and is matt, of one colour and without mirrors, so that no lane needs to be
   /// shaded by itself.
@@ -69,11 +71,19 @@ class PacketSurfaces {
     std::span<const Vec3f> corners;  ///< in the world, where the tracer has them
   };
 
+  /// A sphere or a plane, as HitShapes has it.
+  struct RoundOrFlat {
+    const PacketMaterial* material = nullptr;  ///< none: another shape, or shaded by itself
+    Vec3f centre{0}, normal{0};
+    float radius = 0, flat = 0;
+  };
+
   PacketSurfaces(const Scene& scene, const RayTracer* tracer);
 
   const Scene* scene_;
   std::vector<PacketMaterial> materials_;
   std::vector<Place> places_;  // by instance
+  std::vector<RoundOrFlat> shapes_;
 };
 
 }  // namespace penumbra

@@ -409,13 +409,16 @@ void ShapeList::nearest(const RayPacket& rays, HitPacket& hits) const {
     hits.t[i] = rays.t_max[i];
     if ((active >> i & 1U) == 0) continue;
     Vec3d normal(0);
-    const Ray ray = lane_ray(rays, i, t[i]);
     if (entry[i] >= 0) {
       const auto number = static_cast<std::size_t>(entry[i]);
       const std::size_t spheres = spheres_.entries.size();
       hits.object[i] = number < spheres ? spheres_.entries[number].object : planes_[number - spheres].object;
-      normal = number < spheres ? ray.at(t[i]) - spheres_.entries[number].sphere.centre
-                                : planes_[number - spheres].plane.normal;
+      const auto along = [&](float from, float way) { return static_cast<double>(from) + t[i] * way; };
+      normal = number < spheres
+                   ? Vec3d(along(rays.origin_x[i], rays.direction_x[i]), along(rays.origin_y[i], rays.direction_y[i]),
+                           along(rays.origin_z[i], rays.direction_z[i])) -
+                         spheres_.entries[number].sphere.centre
+                   : planes_[number - spheres].plane.normal;
     }
     for (const OtherEntry& o : others_) {
       const Ray rest = lane_ray(rays, i, t[i]);
@@ -438,7 +441,7 @@ void ShapeList::nearest(const RayPacket& rays, HitPacket& hits) const {
 void ShapeList::occluded(RayPacket& rays) const {
   std::uint32_t free = HWY_DYNAMIC_DISPATCH(free_lanes)(rays, spheres_, planes_, slack, active_bits(rays));
   for (int i = 0; i < RayPacket::size; ++i) {
-    if ((free >> i & 1U) == 0) continue;
+    if (others_.empty() || (free >> i & 1U) == 0) continue;
     const Ray ray = lane_ray(rays, i, rays.t_max[i]);
     for (const OtherEntry& o : others_) {
       if (std::visit([&](const auto& shape) { return intersect(shape, ray).has_value(); }, o.shape)) {
