@@ -28,9 +28,12 @@ struct PacketShadow::Passage {
 
 void PacketShadow::transmittance(RayPacket& rays, bool coherent, ColourLanes& passed) const {
   for (std::size_t i = 0; i < lanes; ++i) passed.set(i, Rgb(1));
+  if (shadow_.is_binary()) {
+    tracer_.occluded(rays, coherent);
+    return;
+  }
   Passage way{.rest = rays};
   tracer_.occluded(rays, coherent);
-  if (shadow_.is_binary()) return;
   for (int i = 0; i < lanes; ++i) {
     if (rays.active[i] != 0) way.rest.active[i] = 0;
     if (way.rest.active[i] != 0) ++way.left;

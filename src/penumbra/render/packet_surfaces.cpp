@@ -136,9 +136,10 @@ inline void ask_for(const void*) {}
 
 void PacketSurfaces::fetch_triangles(const HitPacket& hits, int used) const {
   for (int lane = 0; lane < used; ++lane) {
-    if (hits.object[lane] < places_.size()) {
-      ask_for(&places_[hits.object[lane]].mesh->triangles[hits.primitive[lane]]);
-    }
+    if (hits.object[lane] >= places_.size()) continue;
+    const Mesh& mesh = *places_[hits.object[lane]].mesh;
+    ask_for(&mesh.triangles[hits.primitive[lane]]);
+    if (mesh.materials.size() > 1) ask_for(&mesh.materials[hits.primitive[lane]]);
   }
 }
 
