@@ -57,7 +57,7 @@ HWY_INLINE void prepare(const RayPacket& rays, float slack, SievedRays& out) {
 }
 
 // Lanes whose line may meet sphere `i`.
-HWY_INLINE std::uint32_t sift(const SievedRays& rays, const ShapeList::Sieve& sieve, std::size_t i) {
+HWY_INLINE std::uint32_t sift(const SievedRays& rays, const SphereGroups::Sieve& sieve, std::size_t i) {
   const F d;
   const VF cx = hn::Set(d, sieve.centre_x[i]), cy = hn::Set(d, sieve.centre_y[i]), cz = hn::Set(d, sieve.centre_z[i]);
   const VF mx = hn::Set(d, sieve.minus_x[i]), my = hn::Set(d, sieve.minus_y[i]), mz = hn::Set(d, sieve.minus_z[i]);
@@ -136,11 +136,12 @@ HWY_INLINE void take_nearer(const Meet& meet, std::size_t l, double entry, Neare
 
 // Visits the spheres that lanes of `active` may meet, with those lanes; `visit` returns the lanes still to be served.
 template <class Visit>
-HWY_INLINE void sift_all(const SievedRays& rays, const ShapeList::Spheres& spheres, std::uint32_t active,
+HWY_INLINE void sift_all(const SievedRays& rays, const SphereGroups& spheres, std::uint32_t active,
                          const Visit& visit) {
   for (std::size_t g = 0; g < spheres.groups.size() && active != 0; ++g) {
-    if ((sift(rays, spheres.around[g / ShapeList::Sieve::size], g % ShapeList::Sieve::size) & active) == 0) continue;
-    const ShapeList::Group& group = spheres.groups[g];
+    if ((sift(rays, spheres.around[g / SphereGroups::Sieve::size], g % SphereGroups::Sieve::size) & active) == 0)
+      continue;
+    const SphereGroups::Group& group = spheres.groups[g];
     for (std::size_t k = 0; k < group.count; ++k) {
       const std::uint32_t may = sift(rays, group.sieve, k) & active;
       if (may != 0) active = visit(group.first + k, may, active);
@@ -148,9 +149,8 @@ HWY_INLINE void sift_all(const SievedRays& rays, const ShapeList::Spheres& spher
   }
 }
 
-void nearest_lanes(const RayPacket& rays, const ShapeList::Spheres& spheres,
-                   std::span<const ShapeList::PlaneEntry> planes, float slack, std::uint32_t active, double* t,
-                   double* entry) {
+void nearest_lanes(const RayPacket& rays, const SphereGroups& spheres, std::span<const ShapeList::PlaneEntry> planes,
+                   float slack, std::uint32_t active, double* t, double* entry) {
   const D d;
   const std::size_t n = hn::Lanes(d);
   const std::uint32_t all = (1U << n) - 1U;
@@ -186,7 +186,7 @@ HWY_INLINE std::uint32_t bits_of(hn::Mask<D> mask) {
 }
 
 // The lanes of `active` in whose way nothing stands.
-std::uint32_t free_lanes(const RayPacket& rays, const ShapeList::Spheres& spheres,
+std::uint32_t free_lanes(const RayPacket& rays, const SphereGroups& spheres,
                          std::span<const ShapeList::PlaneEntry> planes, float slack, std::uint32_t active) {
   const D d;
   const std::size_t n = hn::Lanes(d);
@@ -212,13 +212,13 @@ std::uint32_t free_lanes(const RayPacket& rays, const ShapeList::Spheres& sphere
 }
 
 // Of sixteen spheres those that one line may meet. @param line direction (unit), origin, o.d and o.o (1 - slack).
-std::uint32_t sift_spheres(const ShapeList::Sieve& sieve, const float* line) {
+std::uint32_t sift_spheres(const SphereGroups::Sieve& sieve, const float* line) {
   const F d;
   const VF x = hn::Set(d, line[0]), y = hn::Set(d, line[1]), z = hn::Set(d, line[2]);
   const VF ox = hn::Set(d, line[3]), oy = hn::Set(d, line[4]), oz = hn::Set(d, line[5]);
   const VF od = hn::Set(d, line[6]), oo = hn::Set(d, line[7]);
   std::uint32_t met = 0;
-  for (std::size_t l = 0; l < ShapeList::Sieve::size; l += hn::Lanes(d)) {
+  for (std::size_t l = 0; l < SphereGroups::Sieve::size; l += hn::Lanes(d)) {
     const VF near =
         hn::MulAdd(ox, hn::Load(d, sieve.minus_x + l),
                    hn::MulAdd(oy, hn::Load(d, sieve.minus_y + l), hn::MulAdd(oz, hn::Load(d, sieve.minus_z + l), oo)));
@@ -242,8 +242,7 @@ HWY_EXPORT(nearest_lanes);
 HWY_EXPORT(free_lanes);
 HWY_EXPORT(sift_spheres);
 
-// Of |o|^2 + |c|^2: what the sieve's rounding in single precision may amount to is below 2.5e-6 of it.
-constexpr float slack = 4e-6F;
+constexpr float slack = SphereGroups::slack;
 
 struct Line {
   float values[8];
@@ -281,84 +280,21 @@ void ShapeList::add(const Shape& shape, std::uint32_t object) {
     others_.push_back({shape, object});
     return;
   }
-  spheres_.entries.push_back({*sphere, object});
-  arrange();
-}
-
-namespace {
-
-constexpr std::uint32_t most_in_group = 8;
-
-ShapeList::Sieve unmet() {
-  ShapeList::Sieve sieve{};
-  std::fill(std::begin(sieve.reach), std::end(sieve.reach), -std::numeric_limits<float>::infinity());
-  return sieve;
-}
-
-void put(const Sphere& sphere, std::size_t i, ShapeList::Sieve& sieve) {
-  const Vec3f c(sphere.centre);
-  sieve.centre_x[i] = c.x, sieve.centre_y[i] = c.y, sieve.centre_z[i] = c.z;
-  sieve.minus_x[i] = -2 * c.x, sieve.minus_y[i] = -2 * c.y, sieve.minus_z[i] = -2 * c.z;
-  const double c2 = dot(Vec3d(c), Vec3d(c));
-  sieve.reach[i] = static_cast<float>(sphere.radius * sphere.radius * (1 + slack) - c2 * (1 - slack));
-}
-
-Sphere ball_around(std::span<const ShapeList::SphereEntry> spheres) {
-  Bounds box;
-  for (const auto& s : spheres) box.grow(s.sphere.centre);
-  Sphere ball{0.5 * (box.lower + box.upper), 0};
-  for (const auto& s : spheres) {
-    ball.radius = std::max(ball.radius, length(s.sphere.centre - ball.centre) + s.sphere.radius);
-  }
-  ball.radius *= 1 + 1e-6;  // the sieve has its centre in single precision
-  ball.radius += 1e-6 * length(ball.centre);
-  return ball;
-}
-
-}  // namespace
-
-void ShapeList::arrange() {
-  spheres_.around.clear();
-  spheres_.groups.clear();
-  split(0, static_cast<std::uint32_t>(spheres_.entries.size()));
-}
-
-// Halves at the median along the longest side until a group is small enough.
-void ShapeList::split(std::uint32_t first, std::uint32_t last) {
-  const auto members = std::span(spheres_.entries).subspan(first, last - first);
-  if (members.size() > most_in_group) {
-    Bounds box;
-    for (const SphereEntry& s : members) box.grow(s.sphere.centre);
-    const Vec3d side = box.upper - box.lower;
-    const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-    std::sort(members.begin(), members.end(), [&](const SphereEntry& a, const SphereEntry& b) {
-      const double u = a.sphere.centre[axis], v = b.sphere.centre[axis];
-      return u != v ? u < v : a.object < b.object;
-    });
-    const std::uint32_t middle = first + (last - first) / 2;
-    split(first, middle);
-    split(middle, last);
-    return;
-  }
-  const std::size_t number = spheres_.groups.size();
-  if (number % Sieve::size == 0) spheres_.around.push_back(unmet());
-  put(ball_around(members), number % Sieve::size, spheres_.around.back());
-  Group& group = spheres_.groups.emplace_back(Group{unmet(), first, last - first});
-  for (std::size_t i = 0; i < members.size(); ++i) put(members[i].sphere, i, group.sieve);
+  spheres_.add(*sphere, object);
 }
 
 namespace {
 
 // Calls `visit` with the number of each sphere that a line may meet, until it returns true.
 template <class Visit>
-bool sift_line(const ShapeList::Spheres& spheres, const Ray& ray, const Visit& visit) {
+bool sift_line(const SphereGroups& spheres, const Ray& ray, const Visit& visit) {
   if (spheres.groups.empty()) return false;
   const Line line(ray);
   for (std::size_t k = 0; k < spheres.around.size(); ++k) {
     std::uint32_t groups = HWY_DYNAMIC_DISPATCH(sift_spheres)(spheres.around[k], line.values);
     for (; groups != 0; groups &= groups - 1) {
-      const auto number = ShapeList::Sieve::size * k + static_cast<std::size_t>(__builtin_ctz(groups));
-      const ShapeList::Group& group = spheres.groups[number];
+      const auto number = SphereGroups::Sieve::size * k + static_cast<std::size_t>(__builtin_ctz(groups));
+      const SphereGroups::Group& group = spheres.groups[number];
       std::uint32_t may = HWY_DYNAMIC_DISPATCH(sift_spheres)(group.sieve, line.values);
       for (; may != 0; may &= may - 1) {
         if (visit(group.first + static_cast<std::size_t>(__builtin_ctz(may)))) return true;
