@@ -101,5 +101,26 @@ TEST(FullDiskTest, AReaderThatLeftIsAFailureNotACrash) {
   EXPECT_EQ(run.err.substr(run.err.size() - 2), "1\n");
 }
 
+/// The exit code of a render whose streams a shell redirects so, and the picture that it leaves.
+Outcome redirected(const std::string& streams, const Workshop& workshop, const std::string& more = "") {
+  return command({"/bin/sh", "-c",
+                  "{ sleep 0.2; \"$0\" render " + box + " --size 8x8 --spp 1 --progress json -o \"$1\" " + more + " " +
+                      streams + "; echo $? >\"$2\"; } 2>&1 | true; cat \"$2\"",
+                  PENUMBRA_PROGRAM, workshop.path("a.png"), workshop.path("code")});
+}
+
+TEST(ClosedStreamTest, NobodyWhoListensToWarningsIsNoFailure) {
+  for (const char* streams : {"", ">/dev/null", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"}) {
+    const Workshop workshop;
+    EXPECT_EQ(redirected(streams, workshop).out, "0\n") << streams;
+    EXPECT_EQ(read_image(workshop.path("a.png")).width, 8) << streams;
+  }
+}
+
+TEST(ClosedStreamTest, AReportThatCannotBeWrittenIsAFailure) {
+  const Workshop workshop;
+  EXPECT_EQ(redirected(">&-", workshop, "--json").out, "1\n");
+}
+
 }  // namespace
 }  // namespace penumbra::test

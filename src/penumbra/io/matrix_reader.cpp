@@ -60,7 +60,8 @@ void check_size(std::int64_t rows, std::size_t bytes, const std::string& path, c
 
 // SciPy's indices may have 32 bits and its values single precision.
 std::vector<std::int64_t> integers_from(const NpyArray& array) {
-  if (array.type != "<i4") return array.type == "|b1" ? std::vector<std::int64_t>{array.bytes[0]} : integers_of(array);
+  if (array.type == "|b1") return {array.bytes.begin(), array.bytes.end()};
+  if (array.type != "<i4") return integers_of(array);
   std::vector<std::int32_t> values(array.size());
   std::memcpy(values.data(), array.bytes.data(), 4 * values.size());
   return {values.begin(), values.end()};
