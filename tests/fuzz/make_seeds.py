@@ -186,8 +186,6 @@ def materials_gltf():
                   "KHR_materials_dispersion": {"dispersion": 0.3}, "KHR_materials_clearcoat": {"clearcoatFactor": 1}}
     extras = {"mirror": [0.1, 0.1, 0.1], "checker": {"colour": [0, 0, 0], "size": 0.5},
               "sellmeier": {"b": [1.6, 0.25, 1.6], "c_um2": [0.012, 0.06, 147]},
-              "fluorescence": {"edges_nm": [400, 500, 600], "matrix": [0.1, 0, 0.5, 0.2]},
-              "emission_spectrum": {"edges_nm": [400, 500, 600], "radiance": [1, 2]},
               "medium": {"absorption": [1, 1, 1], "scattering": [0, 0, 0], "g": 0.5}}
     g.add("materials", {"name": "all", "pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.7, 0.6, 0.5],
                                                                 "metallicFactor": 0.2, "roughnessFactor": 0.3,
@@ -195,12 +193,17 @@ def materials_gltf():
                         "normalTexture": {"index": 0, "scale": 0.5}, "emissiveFactor": [1, 0, 0],
                         "alphaMode": "BLEND", "doubleSided": True, "extensions": extensions,
                         "extras": {"penumbra": extras, "mine": 1}})
-    g.add("materials", {"alphaMode": "MASK", "alphaCutoff": 0.4, "extensions": {"KHR_materials_unlit": {}},
+    lamp = {"edges_nm": [400, 500, 600], "radiance": [1, 2]}
+    dye = {"edges_nm": [400, 500, 600], "matrix": [0.1, 0, 0.5, 0.2]}
+    g.add("materials", {"alphaMode": "MASK", "alphaCutoff": 0.4, "pbrMetallicRoughness": {"metallicFactor": 0},
+                        "extensions": {"KHR_materials_specular": {"specularFactor": 0}},
+                        "extras": {"penumbra": {"fluorescence": dye, "emission_spectrum": lamp}}})
+    g.add("materials", {"extensions": {"KHR_materials_unlit": {}},
                         "extras": {"penumbra": {"cauchy": {"a": 1.5, "b_um2": 0.004}}}})
     primitive = g.triangle(NORMAL=g.accessor([[0, 0, 1]] * 3, "VEC3", 5126),
                            TEXCOORD_0=g.accessor([[0, 0], [1, 0], [0, 1]], "VEC2", 5126),
                            COLOR_0=g.accessor([[255, 0, 0, 255]] * 3, "VEC4", 5121, normalized=True))
-    g.add("meshes", {"primitives": [{**primitive, "material": 0}, {**primitive, "material": 1}]})
+    g.add("meshes", {"primitives": [{**primitive, "material": m} for m in range(3)]})
     lights = [{"type": "point", "color": [1, 1, 1], "intensity": 3, "range": 9}, {"type": "directional"},
               {"type": "spot", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.5}}]
     g.json["extensions"] = {"KHR_lights_punctual": {"lights": lights}}

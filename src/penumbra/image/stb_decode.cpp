@@ -1,11 +1,13 @@
 #include "penumbra/image/stb_decode.h"
 
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/decode_limits.h"
+#include "penumbra/image/jpeg_tables.h"
 #include "penumbra/image/tonemap.h"
 
 #define STB_IMAGE_IMPLEMENTATION
@@ -16,6 +18,10 @@
 #define STBI_NO_LINEAR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 32768
+// Zeroed: a JPEG may name tables that it never gives, and stb reads them all the same.
+#define STBI_MALLOC(size) std::calloc(1, size)
+#define STBI_REALLOC(memory, size) std::realloc(memory, size)
+#define STBI_FREE(memory) std::free(memory)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb_image.h>
@@ -65,7 +71,11 @@ StbSource checked_source(std::span<const std::byte> bytes, std::string_view name
     throw FileError(name, "", "is larger than 2 GiB, the most that is decoded");
   }
   StbSource source{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
-  if (bytes.front() == std::byte{0x89}) check_png_header(bytes, name);
+  if (bytes.front() == std::byte{0x89}) {
+    check_png_header(bytes, name);
+  } else {
+    check_jpeg_tables(bytes, name);
+  }
   if (stbi_info_from_memory(source.data, source.size, &source.width, &source.height, &source.channels) == 0) fail(name);
   check_decode_limits(source.width, source.height, source.channels, bytes.size(), name);
   return source;

@@ -17,7 +17,8 @@ bool links_out(const std::filesystem::path& path, const std::filesystem::path& f
   std::error_code unknown;
   const auto from = std::filesystem::weakly_canonical(folder.empty() ? "." : folder, unknown);
   if (unknown) return false;
-  const auto to = std::filesystem::weakly_canonical(path, unknown);
+  // A relative path of which nothing is there would stay relative.
+  const auto to = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
   return unknown || !is_below(to, from);
 }
 
