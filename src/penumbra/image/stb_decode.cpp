@@ -24,6 +24,7 @@
 #define STBI_FREE(memory) std::free(memory)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wold-style-cast"  // around the macros above
 #include <stb_image.h>
 #pragma GCC diagnostic pop
 
@@ -54,16 +55,31 @@ struct StbSource {
                   std::string("cannot be decoded, it is damaged or cut short (") + (reason ? reason : "?") + ")");
 }
 
+std::int64_t png_number(std::span<const std::byte> bytes, std::size_t at) {
+  std::int64_t v = 0;
+  for (std::size_t i = 0; i < 4; ++i) v = v << 8 | std::to_integer<std::int64_t>(bytes[at + i]);
+  return v;
+}
+
 // stb calls a PNG that is too large an unknown image type; the reader deserves better.
 void check_png_header(std::span<const std::byte> bytes, std::string_view name) {
   constexpr std::size_t size_at = 16;
   if (bytes.size() < size_at + 8) throw FileError(name, "", "is cut short within its PNG header");
-  const auto number_at = [&](std::size_t at) {
-    std::int64_t v = 0;
-    for (std::size_t i = 0; i < 4; ++i) v = v << 8 | std::to_integer<std::int64_t>(bytes[at + i]);
-    return v;
-  };
-  check_decode_limits(number_at(size_at), number_at(size_at + 4), 1, bytes.size(), name);
+  check_decode_limits(png_number(bytes, size_at), png_number(bytes, size_at + 4), 1, bytes.size(), name);
+}
+
+// stb takes memory for whatever length a chunk claims.
+void check_png_chunks(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t signature = 8, frame = 12;  // length, type and checksum
+  constexpr std::int64_t end = 0x49454E44;
+  for (std::size_t at = signature; at + frame <= bytes.size();) {
+    const auto length = static_cast<std::size_t>(png_number(bytes, at));
+    if (png_number(bytes, at + 4) == end) return;
+    if (length > bytes.size() - at - frame) {
+      throw FileError(name, "", "cannot be decoded, a chunk reaches beyond the file's end: it is damaged or cut short");
+    }
+    at += frame + length;
+  }
 }
 
 StbSource checked_source(std::span<const std::byte> bytes, std::string_view name) {
@@ -73,6 +89,7 @@ StbSource checked_source(std::span<const std::byte> bytes, std::string_view name
   StbSource source{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
   if (bytes.front() == std::byte{0x89}) {
     check_png_header(bytes, name);
+    check_png_chunks(bytes, name);
   } else {
     check_jpeg_tables(bytes, name);
   }
