@@ -51,6 +51,16 @@ TEST_F(AssetFolderTest, FindsWhatLiesInTheFolderOrBelow) {
   EXPECT_FALSE(fs::exists(folder.resolve("none.png")));   // there or not is for the reader to say
 }
 
+TEST_F(AssetFolderTest, WhatIsNotThereDoesNotLeaveTheCurrentFolder) {
+  const fs::path before = fs::current_path();
+  fs::current_path(top_ / "models");
+  const AssetFolder folder("room.gltf");
+  EXPECT_EQ(refusal(folder, "none.png"), "");
+  EXPECT_EQ(refusal(folder, "none/none.png"), "");
+  EXPECT_NE(refusal(folder, "out.png"), "");
+  fs::current_path(before);
+}
+
 TEST_F(AssetFolderTest, RefusesWhatLiesOutside) {
   const AssetFolder folder(top_ / "models/room.gltf");
   for (const std::string& name :

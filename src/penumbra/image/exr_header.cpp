@@ -57,11 +57,12 @@ std::string_view take_text(Bytes& bytes) {
 // Names, each with a type, flags and two samplings; an empty name ends them.
 bool are_channels(Bytes value) {
   constexpr std::size_t channel = 16;
-  while (!value.empty() && !take_text(value).empty()) {
+  while (!value.empty()) {
+    if (take_text(value).empty()) return value.empty();
     if (value.size() < channel) return false;
     value = value.subspan(channel);
   }
-  return value.empty();
+  return false;
 }
 
 bool are_texts(Bytes value) {

@@ -139,10 +139,17 @@ std::vector<float> srgb_table() {
   return table;
 }
 
+// stb calls a picture damaged when memory runs out within it. About what it will take is asked for here first: its own
+// two copies, and ours.
+void check_memory(const StbSource& source, std::size_t sample) {
+  ::operator delete(::operator new(3 * sample * sample_count(source)));
+}
+
 }  // namespace
 
 Image8 decode_png_or_jpeg(std::span<const std::byte> bytes, std::string_view name) {
   StbSource source = checked_source(bytes, name);
+  check_memory(source, sizeof(stbi_uc));
   const StbSamples<stbi_uc> samples(
       stbi_load_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));
   if (!samples) fail(name);
@@ -151,6 +158,7 @@ Image8 decode_png_or_jpeg(std::span<const std::byte> bytes, std::string_view nam
 
 Image decode_png_to_linear(std::span<const std::byte> bytes, std::string_view name) {
   StbSource source = checked_source(bytes, name);
+  check_memory(source, sizeof(stbi_us));
   if (stbi_is_16_bit_from_memory(source.data, source.size) != 0) {
     const StbSamples<stbi_us> samples(
         stbi_load_16_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));
