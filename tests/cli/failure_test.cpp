@@ -74,6 +74,24 @@ TEST(FullDiskTest, EndsWithOneAndLeavesNothing) {
   }
 }
 
+TEST(FullDiskTest, OtherCommandsEndSoToo) {
+  for (const std::string extension : {".npz", ".mtx", ".csv", ".vtu"}) {
+    const Workshop workshop;
+    const Outcome run = on_a_full_disk(2, {"factors", box, "-q", "-o", workshop.path("a" + extension)});
+    EXPECT_EQ(run.code, 1) << extension << run.err;
+    EXPECT_NE(run.err.find("a" + extension), std::string::npos) << run.err;
+    EXPECT_TRUE(workshop.contents().empty()) << workshop.contents().front();
+  }
+  for (const std::string extension : {".npz", ".glb", ".ply"}) {
+    const Workshop workshop;
+    const Outcome run =
+        on_a_full_disk(2, {"bake", box, "--subdivide", "none", "-q", "-o", workshop.path("a" + extension)});
+    EXPECT_EQ(run.code, 1) << extension << run.err;
+    EXPECT_NE(run.err.find("a" + extension), std::string::npos) << run.err;
+    EXPECT_TRUE(workshop.contents().empty()) << workshop.contents().front();
+  }
+}
+
 TEST(FullDiskTest, AnOlderPictureSurvives) {
   const Workshop workshop;
   const std::string path = workshop.file("a.png", "older");

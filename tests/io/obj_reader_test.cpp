@@ -325,6 +325,15 @@ TEST_F(ObjReader, AMissingMtlFileIsOneWarning) {
   EXPECT_EQ(loaded.scene.materials.at(0).base_colour, Rgb(0.8F));
 }
 
+// A corner named over and over is dropped in one go; taking each out by itself took the square of them.
+TEST_F(ObjReader, ACornerRepeatedAHundredThousandTimesIsOne) {
+  std::string face = "f";
+  for (int i = 0; i < 100000; ++i) face += " 1";
+  const Scene scene = read_quietly(std::string(square) + face + " 2 3 3 3 4\n");
+  EXPECT_EQ(scene.meshes[0].triangles.size(), 2U);
+  EXPECT_EQ(scene.meshes[0].positions.size(), 4U);
+}
+
 // A pipe would wait for ever, and a library that is named again and again would be read as often.
 TEST_F(ObjReader, LibrariesAreFilesAndReadOnce) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe.mtl").c_str(), 0600), 0);
