@@ -10,6 +10,7 @@
 #include "penumbra/image/image_io.h"
 #include "report.h"
 #include "run_limits.h"
+#include "standard_error.h"
 #include "standard_output.h"
 
 namespace penumbra::cli {
@@ -82,8 +83,8 @@ int run_compare(const std::vector<std::string>& arguments) {
   write_report(parsed->common, report_on(apart));
   if (!parsed->common.json) write_standard_output(table(apart));
   if (!parsed->max_rmse || apart.rmse <= *parsed->max_rmse) return exit_done;
-  fmt::print(stderr, "penumbra: rmse {:.6g} is over --max-rmse {:g}: {} is too far from {}\n", apart.rmse,
-             *parsed->max_rmse, parsed->b, parsed->a);
+  write_standard_error(fmt::format("penumbra: rmse {:.6g} is over --max-rmse {:g}: {} is too far from {}\n", apart.rmse,
+                                   *parsed->max_rmse, parsed->b, parsed->a));
   return exit_finding;
 }
 

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "standard_error.h"
 
 namespace penumbra::cli {
 namespace {
@@ -91,20 +92,18 @@ void Console::draw(double fraction) {
     nlohmann::ordered_json line{
         {"stage", stage_}, {"fraction", fraction}, {"seconds", elapsed}, {"seconds_left", nullptr}};
     if (fraction >= foreseeable) line["seconds_left"] = elapsed * (1 - fraction) / fraction;
-    fmt::print(stderr, "{}\n", line.dump());
+    write_standard_error(line.dump() + "\n");
   } else if (style_ == Style::lines) {
-    fmt::print(stderr, "{}\n", line_for(stage_, fraction, elapsed));
+    write_standard_error(line_for(stage_, fraction, elapsed) + "\n");
   } else {
-    fmt::print(stderr, "\r{} {}\x1b[K", bar(fraction), line_for(stage_, fraction, elapsed));
+    write_standard_error(fmt::format("\r{} {}\x1b[K", bar(fraction), line_for(stage_, fraction, elapsed)));
     bar_shown_ = true;
   }
-  std::fflush(stderr);
 }
 
 void Console::erase_bar() {
   if (!bar_shown_) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  write_standard_error("\r\x1b[K");
   bar_shown_ = false;
 }
 
@@ -120,7 +119,7 @@ void Console::say(std::string_view line) {
 
 void Console::insist(std::string_view line) {
   erase_bar();
-  fmt::print(stderr, "{}\n", line);
+  write_standard_error(std::string(line) + "\n");
 }
 
 }  // namespace penumbra::cli

@@ -2,12 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <cstdio>
 #include <new>
 #include <stdexcept>
 #include <string_view>
 
 #include "penumbra/file/file_error.h"
+#include "standard_error.h"
 
 namespace penumbra::cli {
 namespace {
@@ -17,7 +17,7 @@ constexpr std::string_view no_memory =
     "scene, or allow more";
 
 int say(int code, std::string_view sentence) {
-  fmt::print(stderr, "penumbra: {}\n", sentence);
+  write_standard_error(fmt::format("penumbra: {}\n", sentence));
   return code;
 }
 

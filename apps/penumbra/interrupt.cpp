@@ -1,12 +1,12 @@
 #include "interrupt.h"
 
-#include <fmt/core.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <ctime>
 
 #include "exit_code.h"
+#include "standard_error.h"
 
 namespace penumbra::cli {
 
@@ -37,10 +37,10 @@ void Interrupt::wait_for_signals() {
     if (source_.stop_requested() && now - first < same_wish) continue;
     first = now;
     if (source_.stop_requested() || !keeps_) {
-      fmt::print(stderr, "\npenumbra: interrupted; nothing was written\n");
+      write_standard_error("\npenumbra: interrupted; nothing was written\n");
       ::_exit(exit_interrupted);
     }
-    fmt::print(stderr, "\npenumbra: interrupted; keeping what is done (Ctrl-C again quits at once)\n");
+    write_standard_error("\npenumbra: interrupted; keeping what is done (Ctrl-C again quits at once)\n");
     source_.request_stop();
   }
 }

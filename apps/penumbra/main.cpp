@@ -1,5 +1,7 @@
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <exception>
@@ -60,6 +62,14 @@ int run(const std::vector<std::string>& arguments) {
                                fmt::join(known, ", ")));
 }
 
+/// A standard stream that is closed would become the file that is opened next, and words would go into it. Here they
+/// fail, as they should.
+void occupy_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) < 0) (void)::open("/dev/null", O_RDONLY);  // takes the lowest number that is free
+  }
+}
+
 /// A closed pipe or a file over its limit is an error that is told, not a sudden death.
 void turn_signals_into_errors() {
   std::signal(SIGPIPE, SIG_IGN);
@@ -71,6 +81,7 @@ void turn_signals_into_errors() {
 
 int main(int argc, char** argv) {
   using namespace penumbra::cli;
+  occupy_closed_streams();
   turn_signals_into_errors();
   try {
     return run({argv + (argc > 0 ? 1 : 0), argv + argc});

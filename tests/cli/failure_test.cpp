@@ -74,6 +74,24 @@ TEST(FullDiskTest, EndsWithOneAndLeavesNothing) {
   }
 }
 
+TEST(FullDiskTest, OtherCommandsEndSoToo) {
+  for (const std::string extension : {".npz", ".mtx", ".csv", ".vtu"}) {
+    const Workshop workshop;
+    const Outcome run = on_a_full_disk(2, {"factors", box, "-q", "-o", workshop.path("a" + extension)});
+    EXPECT_EQ(run.code, 1) << extension << run.err;
+    EXPECT_NE(run.err.find("a" + extension), std::string::npos) << run.err;
+    EXPECT_TRUE(workshop.contents().empty()) << workshop.contents().front();
+  }
+  for (const std::string extension : {".npz", ".glb", ".ply"}) {
+    const Workshop workshop;
+    const Outcome run =
+        on_a_full_disk(2, {"bake", box, "--subdivide", "none", "-q", "-o", workshop.path("a" + extension)});
+    EXPECT_EQ(run.code, 1) << extension << run.err;
+    EXPECT_NE(run.err.find("a" + extension), std::string::npos) << run.err;
+    EXPECT_TRUE(workshop.contents().empty()) << workshop.contents().front();
+  }
+}
+
 TEST(FullDiskTest, AnOlderPictureSurvives) {
   const Workshop workshop;
   const std::string path = workshop.file("a.png", "older");
@@ -99,6 +117,27 @@ TEST(FullDiskTest, AReaderThatLeftIsAFailureNotACrash) {
       command({"/bin/sh", "-c", "{ sleep 0.2; \"$0\" render --help; echo $? >&2; } | true", PENUMBRA_PROGRAM});
   EXPECT_NE(run.err.find("standard output"), std::string::npos) << run.err;
   EXPECT_EQ(run.err.substr(run.err.size() - 2), "1\n");
+}
+
+/// The exit code of a render whose streams a shell redirects so, and the picture that it leaves.
+Outcome redirected(const std::string& streams, const Workshop& workshop, const std::string& more = "") {
+  return command({"/bin/sh", "-c",
+                  "{ sleep 0.2; \"$0\" render " + box + " --size 8x8 --spp 1 --progress json -o \"$1\" " + more + " " +
+                      streams + "; echo $? >\"$2\"; } 2>&1 | true; cat \"$2\"",
+                  PENUMBRA_PROGRAM, workshop.path("a.png"), workshop.path("code")});
+}
+
+TEST(ClosedStreamTest, NobodyWhoListensToWarningsIsNoFailure) {
+  for (const char* streams : {"", ">/dev/null", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"}) {
+    const Workshop workshop;
+    EXPECT_EQ(redirected(streams, workshop).out, "0\n") << streams;
+    EXPECT_EQ(read_image(workshop.path("a.png")).width, 8) << streams;
+  }
+}
+
+TEST(ClosedStreamTest, AReportThatCannotBeWrittenIsAFailure) {
+  const Workshop workshop;
+  EXPECT_EQ(redirected(">&-", workshop, "--json").out, "1\n");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/input_file.h"
+#include "penumbra/image/exr_file.h"
 #include "penumbra/image/tonemap.h"
 #include "penumbra/math/rng.h"
 #include "penumbra/parallel/parallel_for.h"
@@ -269,6 +270,48 @@ TEST_F(ImageIo, HugeDimensionsAreRefusedBeforeTheyAreAllocated) {
   expect_file_error(write_bytes("huge.hdr", std::as_bytes(std::span(hdr))), "");
   const std::string wide = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 10000 +X 10000\n";
   expect_file_error(write_bytes("wide.hdr", std::as_bytes(std::span(wide))), "too many for its");
+}
+
+// What a JPEG claims of its Huffman tables, in whatever place a decoder may look for them.
+TEST_F(ImageIo, HuffmanTablesOfMoreCodesThanThereAreAreRefused) {
+  const std::string begin = "\xff\xd8";
+  const std::string full(16, '\xff'), empty(16, '\0');
+  const std::string comment("\xff\xfe\x00\x06\xff\xc4\x00\x13", 8);  // looks like tables, but is a comment
+  const auto tables = [](const std::string& what) {
+    return std::string("\xff\xc4") + '\0' + static_cast<char>(2 + what.size()) + what;
+  };
+  const std::string scan("\xff\xda\x00\x02\x12\xff\x00\x34\xff\xd0\x56", 11);
+  const auto refusal = [](const std::string& jpeg) {
+    try {
+      (void)decode_image8(std::as_bytes(std::span(jpeg)), "a.jpg");
+    } catch (const FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (const std::string& jpeg :
+       {begin + tables('\0' + full), begin + tables('\0' + empty + '\0' + full), begin + scan + tables('\0' + full),
+        begin + tables('\0' + empty + '\0') + full, begin + comment + tables('\0' + full.substr(0, 3))}) {
+    EXPECT_NE(refusal(jpeg).find("256 codes"), std::string::npos) << refusal(jpeg);
+  }
+  EXPECT_EQ(refusal(begin + comment + full + tables('\0' + empty)).find("256 codes"), std::string::npos);
+}
+
+// OpenEXR takes the memory that an attribute claims, or that it takes for one when the length before was wrong.
+TEST_F(ImageIo, AttributesThatReachBeyondTheirFileAreRefused) {
+  const std::vector<std::byte> whole = encode_exr(radiances(4, 3));
+  const std::string text(reinterpret_cast<const char*>(whole.data()), whole.size());
+  const auto refused = [&](const std::string& damaged, const char* part) {
+    expect_file_error(write_bytes("a.exr", std::as_bytes(std::span(damaged))), part);
+  };
+  const auto with_length = [&](std::string_view type, const std::string& length) {
+    std::string damaged = text;
+    damaged.replace(damaged.find(std::string(type) + '\0') + type.size() + 1, 4, length);
+    return damaged;
+  };
+  refused(with_length("chlist", std::string("\xff\xff\xff\x7f", 4)), "beyond the file's end");
+  refused(with_length("chlist", std::string("\x01\0\0\0", 4)), "not as long as its type asks");
+  refused(with_length("box2i", std::string("\x11\0\0\0", 4)), "not as long as its type asks");
 }
 
 // Any damage either decodes (to something) or is a FileError: nothing else, and no crash under the sanitizers.

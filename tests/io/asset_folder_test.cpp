@@ -1,6 +1,7 @@
 #include "penumbra/io/asset_folder.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -50,6 +51,16 @@ TEST_F(AssetFolderTest, FindsWhatLiesInTheFolderOrBelow) {
   EXPECT_FALSE(fs::exists(folder.resolve("none.png")));   // there or not is for the reader to say
 }
 
+TEST_F(AssetFolderTest, WhatIsNotThereDoesNotLeaveTheCurrentFolder) {
+  const fs::path before = fs::current_path();
+  fs::current_path(top_ / "models");
+  const AssetFolder folder("room.gltf");
+  EXPECT_EQ(refusal(folder, "none.png"), "");
+  EXPECT_EQ(refusal(folder, "none/none.png"), "");
+  EXPECT_NE(refusal(folder, "out.png"), "");
+  fs::current_path(before);
+}
+
 TEST_F(AssetFolderTest, RefusesWhatLiesOutside) {
   const AssetFolder folder(top_ / "models/room.gltf");
   for (const std::string& name :
@@ -73,6 +84,19 @@ TEST_F(AssetFolderTest, ReadsOutsideWhenAllowed) {
   EXPECT_TRUE(fs::exists(folder.resolve((top_ / "secret.png").string())));
   EXPECT_TRUE(fs::exists(folder.resolve("../secret.png")));
   EXPECT_TRUE(fs::exists(folder.resolve("out.png")));
+}
+
+// A pipe or a device has no end.
+TEST_F(AssetFolderTest, WhatIsNoOrdinaryFileIsRefusedInAnyCase) {
+  ASSERT_EQ(::mkfifo((top_ / "models/pipe.png").c_str(), 0600), 0);
+  for (const bool allowed : {false, true}) {
+    const AssetFolder folder(top_ / "models/room.gltf", allowed);
+    for (const std::string name : {"pipe.png", "pictures"}) {
+      EXPECT_NE(refusal(folder, name).find("no ordinary file"), std::string::npos) << name;
+    }
+  }
+  EXPECT_NE(refusal(AssetFolder(top_ / "models/room.gltf", true), "/dev/zero").find("no ordinary file"),
+            std::string::npos);
 }
 
 TEST_F(AssetFolderTest, ANameOfNothingIsRefusedInAnyCase) {

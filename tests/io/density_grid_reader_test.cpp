@@ -85,6 +85,21 @@ TEST(DensityGridReader, WhatIsWrongIsSaid) {
   EXPECT_THROW((void)read_density_grid("missing.npz"), FileError);
 }
 
+// Two gibibytes of nothing deflate to two megabytes: the archive's directory tells before they are unpacked.
+TEST(DensityGridReader, GridsThatAreTooLargeAreRefusedBeforeTheyAreUnpacked) {
+  const Archive archive({{"density", six}, {"bounds", unit_box}});
+  std::string bytes = test::file_bytes(archive.path());
+  const std::size_t directory = bytes.find("PK\x01\x02");
+  bytes.replace(directory + 24, 4, "\xff\xff\xff\x7f");
+  const test::TemporaryFile bomb(bytes, ".npz");
+  try {
+    (void)read_density_grid(bomb.path());
+    FAIL();
+  } catch (const FileError& e) {
+    EXPECT_NE(std::string(e.what()).find("1 GiB"), std::string::npos) << e.what();
+  }
+}
+
 TEST(DensityGridReader, VdbIsReadOrRefusedByItsName) {
   const test::TemporaryFile nonsense("no grid", ".vdb");
   try {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -194,6 +195,77 @@ TEST(GltfMalformed, ManyPrimitivesOfTheSameAccessorsCannotFillTheMemory) {
   } catch (const FileError& error) {
     EXPECT_EQ(error.place(), "mesh 0");
   }
+}
+
+/// What the reader says of a file that asks for the same data again and again.
+std::string refusal_of_work(const GltfBuilder& builder, const ReadOptions& options = {}) {
+  try {
+    (void)builder.read(options);
+  } catch (const FileError& error) {
+    return std::string(error.what()).find("again and again") != std::string::npos ? error.place() : error.what();
+  }
+  return "it was read";
+}
+
+/// A triangle of the first three among so many vertices.
+nlohmann::json one_of_many_vertices(GltfBuilder& builder, std::size_t vertices) {
+  return {{"attributes", {{"POSITION", builder.add_accessor(std::vector<float>(3 * vertices, 1), "VEC3", gltf_float)}}},
+          {"indices", builder.add_accessor(std::vector<std::uint8_t>{0, 1, 2}, "SCALAR", gltf_uint8)}};
+}
+
+TEST(GltfMalformed, TheSameMeshCannotBeBentForEver) {
+  GltfBuilder builder;
+  nlohmann::json primitive = one_of_many_vertices(builder, 10000);
+  primitive["targets"] = std::vector<nlohmann::json>(5000, {{"POSITION", 0}});
+  builder.add("meshes", {{"primitives", {primitive}}, {"weights", std::vector<int>(5000, 1)}});
+  builder.show_node({{"mesh", 0}});
+  EXPECT_EQ(refusal_of_work(builder), "mesh 0, primitive 0");
+}
+
+TEST(GltfMalformed, TheSameSkinCannotBeHungForEver) {
+  GltfBuilder builder;
+  const auto mesh = builder.add("meshes", {{"primitives", {one_of_many_vertices(builder, 3)}}});
+  std::vector<int> joints(8000);
+  std::iota(joints.begin(), joints.end(), 0);
+  builder.add("skins", {{"joints", joints}});
+  for (std::size_t n = 0; n < joints.size(); ++n) builder.show_node({{"mesh", mesh}, {"skin", 0}});
+  EXPECT_NE(refusal_of_work(builder).find("node "), std::string::npos) << refusal_of_work(builder);
+}
+
+TEST(GltfMalformed, TheSameKeysCannotMoveNodesForEver) {
+  GltfBuilder builder;
+  std::vector<float> times(20000);
+  std::iota(times.begin(), times.end(), 0.0F);
+  builder.show(one_of_many_vertices(builder, 3));
+  builder.animate(0, "translation", times, std::vector<float>(60000, 1), "VEC3");
+  nlohmann::json& channels = builder.json["animations"][0]["channels"];
+  for (std::size_t n = 1; n < 2000; ++n) {
+    channels.push_back({{"sampler", 0}, {"target", {{"node", n}, {"path", "translation"}}}});
+  }
+  EXPECT_EQ(refusal_of_work(builder, {.time = 1}), "animation 0, sampler 0");
+}
+
+TEST(GltfMalformed, AChainOfMovingNodesEnds) {
+  GltfBuilder builder;
+  const auto mesh = builder.add("meshes", {{"primitives", {one_of_many_vertices(builder, 3)}}});
+  constexpr std::size_t length = 6000;
+  builder.show_node({{"mesh", mesh}, {"children", {1}}});
+  for (std::size_t n = 1; n < length; ++n) {
+    builder.add("nodes", {{"mesh", mesh}});
+    if (n + 1 < length) builder.json["nodes"][n]["children"] = {n + 1};
+  }
+  builder.animate(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "VEC3");
+  EXPECT_NE(refusal_of_work(builder, {.shutter = Shutter{0, 1}}).find("node "), std::string::npos);
+  EXPECT_EQ(refusal_of_work(builder, {.time = 1}), "it was read");
+}
+
+TEST(GltfMalformed, AThousandUnknownExtensionsAreAFewSentences) {
+  GltfBuilder builder;
+  builder.show(one_of_many_vertices(builder, 3));
+  for (int i = 0; i < 1000; ++i) builder.json["extensionsUsed"].push_back("EXT_" + std::to_string(i));
+  const LoadedScene loaded = builder.read();
+  EXPECT_LT(loaded.warnings.size(), 30U);
+  EXPECT_NE(loaded.warnings[0].find("EXT_0 "), std::string::npos) << loaded.warnings[0];
 }
 
 /// A file with something of everything: materials, a picture, lights, a camera, sparse and strided accessors.

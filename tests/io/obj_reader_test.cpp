@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -322,6 +323,26 @@ TEST_F(ObjReader, AMissingMtlFileIsOneWarning) {
   const auto loaded = read("mtllib none.mtl\nusemtl wood\n" + std::string(square) + "f 1 2 3\nusemtl steel\nf 1 3 4\n");
   expect_one_warning(loaded, "none.mtl");
   EXPECT_EQ(loaded.scene.materials.at(0).base_colour, Rgb(0.8F));
+}
+
+// A corner named over and over is dropped in one go; taking each out by itself took the square of them.
+TEST_F(ObjReader, ACornerRepeatedAHundredThousandTimesIsOne) {
+  std::string face = "f";
+  for (int i = 0; i < 100000; ++i) face += " 1";
+  const Scene scene = read_quietly(std::string(square) + face + " 2 3 3 3 4\n");
+  EXPECT_EQ(scene.meshes[0].triangles.size(), 2U);
+  EXPECT_EQ(scene.meshes[0].positions.size(), 4U);
+}
+
+// A pipe would wait for ever, and a library that is named again and again would be read as often.
+TEST_F(ObjReader, LibrariesAreFilesAndReadOnce) {
+  ASSERT_EQ(::mkfifo((folder_ / "pipe.mtl").c_str(), 0600), 0);
+  expect_one_warning(read("mtllib pipe.mtl\n" + std::string(square) + "f 1 2 3\n"), "no ordinary file");
+  write("model.mtl", "newmtl m\nKd 0.5 0.5 0.5\nnewmtl m\n");
+  const auto loaded =
+      read("mtllib model.mtl\nmtllib ./model.mtl model.mtl\nusemtl m\n" + std::string(square) + "f 1 2 3\n");
+  expect_one_warning(loaded, "materials of one name");
+  EXPECT_EQ(loaded.warnings[0].find("cases"), std::string::npos) << loaded.warnings[0];
 }
 
 TEST_F(ObjReader, FilesOutsideTheFolderAreNotRead) {

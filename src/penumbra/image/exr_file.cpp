@@ -17,6 +17,7 @@
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/decode_limits.h"
+#include "penumbra/image/exr_header.h"
 #include "penumbra/image/image_io.h"
 
 namespace penumbra {
@@ -102,6 +103,7 @@ void limit_library_once() {
 
 Image read_pixels(std::span<const std::byte> bytes, std::string_view name) {
   limit_library_once();
+  check_exr_header(bytes, name);
   MemoryInput stream(bytes);
   Imf::InputFile file(stream);
   const Imf::Header& header = file.header();

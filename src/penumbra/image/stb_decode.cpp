@@ -1,11 +1,13 @@
 #include "penumbra/image/stb_decode.h"
 
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/image/decode_limits.h"
+#include "penumbra/image/jpeg_tables.h"
 #include "penumbra/image/tonemap.h"
 
 #define STB_IMAGE_IMPLEMENTATION
@@ -16,8 +18,13 @@
 #define STBI_NO_LINEAR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 32768
+// Zeroed: a JPEG may name tables that it never gives, and stb reads them all the same.
+#define STBI_MALLOC(size) std::calloc(1, size)
+#define STBI_REALLOC(memory, size) std::realloc(memory, size)
+#define STBI_FREE(memory) std::free(memory)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wold-style-cast"  // around the macros above
 #include <stb_image.h>
 #pragma GCC diagnostic pop
 
@@ -48,16 +55,31 @@ struct StbSource {
                   std::string("cannot be decoded, it is damaged or cut short (") + (reason ? reason : "?") + ")");
 }
 
+std::int64_t png_number(std::span<const std::byte> bytes, std::size_t at) {
+  std::int64_t v = 0;
+  for (std::size_t i = 0; i < 4; ++i) v = v << 8 | std::to_integer<std::int64_t>(bytes[at + i]);
+  return v;
+}
+
 // stb calls a PNG that is too large an unknown image type; the reader deserves better.
 void check_png_header(std::span<const std::byte> bytes, std::string_view name) {
   constexpr std::size_t size_at = 16;
   if (bytes.size() < size_at + 8) throw FileError(name, "", "is cut short within its PNG header");
-  const auto number_at = [&](std::size_t at) {
-    std::int64_t v = 0;
-    for (std::size_t i = 0; i < 4; ++i) v = v << 8 | std::to_integer<std::int64_t>(bytes[at + i]);
-    return v;
-  };
-  check_decode_limits(number_at(size_at), number_at(size_at + 4), 1, bytes.size(), name);
+  check_decode_limits(png_number(bytes, size_at), png_number(bytes, size_at + 4), 1, bytes.size(), name);
+}
+
+// stb takes memory for whatever length a chunk claims.
+void check_png_chunks(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t signature = 8, frame = 12;  // length, type and checksum
+  constexpr std::int64_t end = 0x49454E44;
+  for (std::size_t at = signature; at + frame <= bytes.size();) {
+    const auto length = static_cast<std::size_t>(png_number(bytes, at));
+    if (png_number(bytes, at + 4) == end) return;
+    if (length > bytes.size() - at - frame) {
+      throw FileError(name, "", "cannot be decoded, a chunk reaches beyond the file's end: it is damaged or cut short");
+    }
+    at += frame + length;
+  }
 }
 
 StbSource checked_source(std::span<const std::byte> bytes, std::string_view name) {
@@ -65,7 +87,12 @@ StbSource checked_source(std::span<const std::byte> bytes, std::string_view name
     throw FileError(name, "", "is larger than 2 GiB, the most that is decoded");
   }
   StbSource source{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
-  if (bytes.front() == std::byte{0x89}) check_png_header(bytes, name);
+  if (bytes.front() == std::byte{0x89}) {
+    check_png_header(bytes, name);
+    check_png_chunks(bytes, name);
+  } else {
+    check_jpeg_tables(bytes, name);
+  }
   if (stbi_info_from_memory(source.data, source.size, &source.width, &source.height, &source.channels) == 0) fail(name);
   check_decode_limits(source.width, source.height, source.channels, bytes.size(), name);
   return source;
@@ -112,10 +139,17 @@ std::vector<float> srgb_table() {
   return table;
 }
 
+// stb calls a picture damaged when memory runs out within it. About what it will take is asked for here first: its own
+// two copies, and ours.
+void check_memory(const StbSource& source, std::size_t sample) {
+  ::operator delete(::operator new(3 * sample * sample_count(source)));
+}
+
 }  // namespace
 
 Image8 decode_png_or_jpeg(std::span<const std::byte> bytes, std::string_view name) {
   StbSource source = checked_source(bytes, name);
+  check_memory(source, sizeof(stbi_uc));
   const StbSamples<stbi_uc> samples(
       stbi_load_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));
   if (!samples) fail(name);
@@ -124,6 +158,7 @@ Image8 decode_png_or_jpeg(std::span<const std::byte> bytes, std::string_view nam
 
 Image decode_png_to_linear(std::span<const std::byte> bytes, std::string_view name) {
   StbSource source = checked_source(bytes, name);
+  check_memory(source, sizeof(stbi_us));
   if (stbi_is_16_bit_from_memory(source.data, source.size) != 0) {
     const StbSamples<stbi_us> samples(
         stbi_load_16_from_memory(source.data, source.size, &source.width, &source.height, &source.channels, 0));

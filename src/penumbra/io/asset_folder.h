@@ -14,8 +14,9 @@ class AssetFolder {
   explicit AssetFolder(const std::filesystem::path& file, bool allow_outside = false);
 
   /// The file that `name` means, there or not; backslashes part folders too.
-  /// Throws std::invalid_argument with what is wrong ("leaves the folder ...") when the name is empty or, unless
-  /// allowed, when it is absolute or leaves the folder, by `..` or by a symbolic link.
+  /// Throws std::invalid_argument with what is wrong ("leaves the folder ...") when the name is empty, when it
+  /// means a folder, a pipe or a device, or, unless allowed, when it is absolute or leaves the folder, by `..` or by a
+  /// symbolic link.
   [[nodiscard]] std::filesystem::path resolve(std::string_view name) const;
 
  private:

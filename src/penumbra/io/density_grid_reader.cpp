@@ -64,6 +64,9 @@ class NpzGrid {
         fail("bounds", "must be finite, the upper corner above the lower one in x, y and z");
       }
     }
+    constexpr std::size_t longest_head = 65546;
+    if (npz_.bytes_of("density") > most_grid_bytes + longest_head)
+      fail("density", "holds more than 1 GiB; resample it");
     const NpzReader::Reals density = npz_.reals("density");
     if (density.shape.size() != 3 || density.values.empty()) {
       fail("density", fmt::format("has {} dimensions; a grid has three, x, y and z", density.shape.size()));

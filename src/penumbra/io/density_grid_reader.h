@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 
 #include "penumbra/scene/medium.h"
 
 namespace penumbra {
+
+/// The most bytes of densities that are read, in the file's own precision.
+inline constexpr std::size_t most_grid_bytes = std::size_t{1} << 30;
 
 /// Reads smoke: a medium with a density grid, by the file's extension.
 ///
@@ -15,7 +19,7 @@ namespace penumbra {
 /// .vdb (OpenVDB): the float grid `density`, else the first float grid, in its own world coordinates (m), with the same
 /// default coefficients. Only where the program was built with OpenVDB.
 ///
-/// Throws FileError.
+/// Throws FileError, also for more than `most_grid_bytes`.
 [[nodiscard]] Medium read_density_grid(const std::filesystem::path& path);
 
 /// Whether this build reads .vdb.

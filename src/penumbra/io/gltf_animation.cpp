@@ -60,11 +60,12 @@ GltfAnimation::GltfAnimation(GltfDocument& document, GltfAccessors& accessors,
   const auto channels = animation.list("channels");
   if (!channels) return;
   for (std::size_t i = 0; i < channels->size(); ++i) {
-    read_channel(accessors, animation, channels->item(i, animation.place() + ", channel"));
+    read_channel(document, accessors, animation, channels->item(i, animation.place() + ", channel"));
   }
 }
 
-void GltfAnimation::read_channel(GltfAccessors& accessors, const JsonPlace& animation, const JsonPlace& channel) {
+void GltfAnimation::read_channel(GltfDocument& document, GltfAccessors& accessors, const JsonPlace& animation,
+                                 const JsonPlace& channel) {
   const auto target = channel.object("target");
   if (!target) channel.fail("has no target; export the file again");
   const auto node = target->whole("node");
@@ -95,6 +96,7 @@ void GltfAnimation::read_channel(GltfAccessors& accessors, const JsonPlace& anim
   if (!fits) {
     sampler.fail(fmt::format("has {} numbers of {} for {} keys; export the file again", numbers, name, times.count));
   }
+  document.count_work(times.count + numbers, sampler);
   for (std::size_t i = 0; i < times.count; ++i) {
     track.times.push_back(times.value(i, 0));
     if (!std::isfinite(track.times.back()) || (i > 0 && track.times[i] < track.times[i - 1])) {

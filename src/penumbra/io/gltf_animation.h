@@ -45,7 +45,8 @@ class GltfAnimation {
     [[nodiscard]] std::vector<double> at(double time, bool is_rotation) const;
   };
 
-  void read_channel(GltfAccessors& accessors, const JsonPlace& animation, const JsonPlace& channel);
+  void read_channel(GltfDocument& document, GltfAccessors& accessors, const JsonPlace& animation,
+                    const JsonPlace& channel);
   [[nodiscard]] const Track* find(std::uint32_t node, Path path) const;
 
   std::map<std::pair<std::uint32_t, Path>, Track> tracks_;

@@ -92,6 +92,7 @@ std::vector<Mat4d> gltf_joints(GltfDocument& document, GltfAccessors& accessors,
   const JsonPlace skin = document.item("skins", "skin", index, user);
   const auto list = skin.list("joints");
   if (!list || list->size() == 0) skin.fail("has no joints; export the file again");
+  document.count_work(list->size(), user);
   std::optional<GltfElements> inverse;
   if (const auto accessor = skin.whole("inverseBindMatrices")) inverse = accessors.elements(*accessor, skin);
   if (inverse && (inverse->components != 16 || inverse->count < list->size())) {
@@ -111,6 +112,7 @@ std::vector<Mat4d> gltf_joints(GltfDocument& document, GltfAccessors& accessors,
 
 DeformedVertices deformed(const GltfDeformation& deformation, const DeformedAttributes& from, GltfDocument& document,
                           GltfAccessors& accessors, const JsonPlace& primitive) {
+  document.count_work(from.position.count, primitive);
   std::vector<Vec3d> positions = vectors_of(from.position);
   std::vector<Vec3d> normals = vectors_of(from.normal);
   std::vector<Vec3d> tangents = vectors_of(from.tangent);
@@ -118,6 +120,7 @@ DeformedVertices deformed(const GltfDeformation& deformation, const DeformedAttr
   for (std::size_t t = 0; targets && t < std::min(targets->size(), deformation.weights.size()); ++t) {
     const double weight = deformation.weights[t];
     if (weight == 0) continue;
+    document.count_work(positions.size(), primitive);
     const JsonPlace target = targets->item(t, primitive.place() + ", target");
     add_target(target, "POSITION", weight, accessors, positions);
     add_target(target, "NORMAL", weight, accessors, normals);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <set>
 #include <stdexcept>
 
 #include "penumbra/file/file_error.h"
@@ -140,12 +141,15 @@ void GltfDocument::check_extensions() {
     }
   }
   if (const auto used = root().list("extensionsUsed")) {
-    std::vector<std::string> unknown;
+    constexpr std::size_t most_named = 20;
+    std::set<std::string_view> unknown;
     for (std::size_t i = 0; i < used->size(); ++i) {
       const auto& name = used->text_item(i);
-      if (is_known(name) || std::find(unknown.begin(), unknown.end(), name) != unknown.end()) continue;
-      unknown.push_back(name);
-      warnings_.count(fmt::format("the extension {} is not supported and was ignored", shown(name)), "");
+      if (is_known(name) || !unknown.insert(name).second) continue;
+      warnings_.count(unknown.size() > most_named
+                          ? "further extensions are not supported and were ignored"
+                          : fmt::format("the extension {} is not supported and was ignored", shown(name)),
+                      "");
     }
   }
 }
@@ -164,6 +168,17 @@ JsonPlace GltfDocument::item(std::string_view list, std::string_view noun, std::
         fmt::format("names {} {}, but the file has {}, counted from 0; export the file again", noun, index, size));
   }
   return elements->item(static_cast<std::size_t>(index), noun);
+}
+
+void GltfDocument::count_work(std::size_t steps, const JsonPlace& user) {
+  const std::size_t most = (std::size_t{1} << 24) + 16 * byte_count_;
+  if (steps > most - work_) {
+    user.fail(
+        fmt::format("the file asks for the same data again and again, far more often than its {} bytes would be "
+                    "used; export it again",
+                    byte_count_));
+  }
+  work_ += steps;
 }
 
 void GltfDocument::read_buffers() {
@@ -245,12 +260,7 @@ std::filesystem::path GltfDocument::uri_file(const std::string& uri, const JsonP
     user.fail(wrong.what());
   }
   std::error_code ignored;
-  const auto status = std::filesystem::status(path, ignored);
-  // A pipe or a device would never end.
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    user.fail(fmt::format("its file {} is no ordinary file; name one that holds its bytes", path.string()));
-  }
-  if (!std::filesystem::exists(status)) {
+  if (!std::filesystem::exists(path, ignored)) {
     user.fail(fmt::format("its file {} is not there; put it beside the glTF or export to .glb", path.string()));
   }
   return path;

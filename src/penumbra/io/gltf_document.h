@@ -33,6 +33,11 @@ class GltfDocument {
   /// Bytes of the file and its buffers: what it holds is measured by this.
   [[nodiscard]] std::size_t byte_count() const { return byte_count_; }
 
+  /// Counts steps of work for which the file need not hold data of their own, such as the vertices of a mesh that node
+  /// after node bends anew: a small file could ask for any number. Throws FileError at `user` when they are more in all
+  /// than an honest file of this size asks for.
+  void count_work(std::size_t steps, const JsonPlace& user);
+
   /// How many elements the top-level list ("accessors") has; 0 when it is not there.
   [[nodiscard]] std::size_t count(std::string_view list) const;
   /// Element `index` of the top-level list `list`, called "`noun` index".
@@ -74,6 +79,7 @@ class GltfDocument {
   std::vector<std::vector<std::byte>> buffers_;               // those with a uri
   std::map<std::uint64_t, std::vector<std::byte>> unpacked_;  // views that were compressed
   std::size_t byte_count_ = 0;
+  std::size_t work_ = 0;  // steps counted so far
 };
 
 }  // namespace penumbra

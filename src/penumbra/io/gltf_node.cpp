@@ -120,7 +120,7 @@ std::vector<GltfNode> GltfNodes::placed(const std::optional<JsonPlace>& scene, s
   // A stack instead of recursion: a chain of nodes may be as long as the file.
   std::vector<GltfNode> open;
   const auto roots = roots_of(scene, family_);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, Mat4d(1.0), false});
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({.index = *root});
   while (!open.empty()) {
     GltfNode node = open.back();
     open.pop_back();
@@ -132,7 +132,7 @@ std::vector<GltfNode> GltfNodes::placed(const std::optional<JsonPlace>& scene, s
     placed.push_back(node);
     const auto& children = family_.children[node.index];
     for (auto child = children.rbegin(); child != children.rend(); ++child) {
-      open.push_back({*child, node.to_world, node.moves});
+      open.push_back({*child, node.to_world, node.moves, node.depth + 1});
     }
   }
   return placed;

@@ -15,7 +15,8 @@ namespace penumbra {
 struct GltfNode {
   std::uint32_t index = 0;
   Mat4d to_world{1.0};
-  bool moves = false;  ///< the animation has keys of it or of a node above it
+  bool moves = false;     ///< the animation has keys of it or of a node above it
+  std::size_t depth = 1;  ///< nodes from its root to it
 };
 
 /// The scene that is read: the one chosen by name or index, else the file's default one, else its first; nothing when

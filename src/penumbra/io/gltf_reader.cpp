@@ -106,11 +106,15 @@ class SceneReader {
   }
 
   /// The way that a node goes while the shutter is open. @param made what becomes of a placement.
-  Motion motion_of(const GltfNode& node, const std::function<Mat4d(const Mat4d&)>& made) const {
+  Motion motion_of(const GltfNode& node, const std::function<Mat4d(const Mat4d&)>& made) {
     if (!options_.shutter || !node.moves) return {};
+    const JsonPlace place = document_.item("nodes", "node", node.index, document_.root());
     const double opens = options_.shutter->opens;
     const double open_for = options_.shutter->closes - opens;
-    return sampled_motion([&](double share) { return made(nodes_.to_world(node.index, opens + share * open_for)); });
+    return sampled_motion([&](double share) {
+      document_.count_work(node.depth, place);
+      return made(nodes_.to_world(node.index, opens + share * open_for));
+    });
   }
 
   void note_still_light(const JsonPlace& node) {

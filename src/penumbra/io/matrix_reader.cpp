@@ -58,18 +58,12 @@ void check_size(std::int64_t rows, std::size_t bytes, const std::string& path, c
   throw FileError(path, place, fmt::format("the matrix has {} rows, far more than entries; the file is damaged", rows));
 }
 
-// SciPy's indices may have 32 bits and its values single precision.
+// SciPy's indices may have 32 bits.
 std::vector<std::int64_t> integers_from(const NpyArray& array) {
-  if (array.type != "<i4") return array.type == "|b1" ? std::vector<std::int64_t>{array.bytes[0]} : integers_of(array);
+  if (array.type == "|b1") return {array.bytes.begin(), array.bytes.end()};
+  if (array.type != "<i4") return integers_of(array);
   std::vector<std::int32_t> values(array.size());
-  std::memcpy(values.data(), array.bytes.data(), 4 * values.size());
-  return {values.begin(), values.end()};
-}
-
-std::vector<double> numbers_from(const NpyArray& array) {
-  if (array.type != "<f4") return doubles_of(array);
-  std::vector<float> values(array.size());
-  std::memcpy(values.data(), array.bytes.data(), 4 * values.size());
+  if (!values.empty()) std::memcpy(values.data(), array.bytes.data(), 4 * values.size());
   return {values.begin(), values.end()};
 }
 
@@ -119,7 +113,7 @@ class NpzMatrix {
     }
   }
   [[nodiscard]] std::vector<std::int64_t> integers(const std::string& name) const { return take(name, integers_from); }
-  [[nodiscard]] std::vector<double> numbers(const std::string& name) const { return take(name, numbers_from); }
+  [[nodiscard]] std::vector<double> numbers(const std::string& name) const { return take(name, reals_of); }
 
   // The row (or column) of each entry from where each row (or column) begins.
   [[nodiscard]] std::vector<std::int64_t> spread(const std::string& name, std::size_t rows) const {

@@ -147,11 +147,9 @@ std::optional<std::uint32_t> MtlMaterials::image(const MtlMap& map, const MtlMat
                              .height = decoded.height,
                              .channels = decoded.channels,
                              .texels = std::move(decoded.data)});
-  } catch (const std::invalid_argument&) {
-    warnings_.count(
-        "pictures outside the folder of the scene are not read, so colours stand for them; copy them there or allow "
-        "them (--allow-outside)",
-        fmt::format("{} ({})", place, in_quotes(map.file)));
+  } catch (const std::invalid_argument& wrong) {
+    warnings_.count(fmt::format("a picture is not read, so colours stand for it: it {}", wrong.what()),
+                    fmt::format("{} ({})", place, in_quotes(map.file)));
   } catch (const FileError& error) {
     warnings_.count("a picture could not be read, so colours stand for it", fmt::format("{}: {}", place, error.what()));
   }

@@ -61,7 +61,7 @@ std::string array_of(std::string_view type, std::span<const T> values) {
 }
 
 std::size_t bytes_of_type(const std::string& type) {
-  static const std::regex pattern("[<|]([fiub]|U|S)([0-9]{1,6})");
+  static const std::regex pattern("[<|]([fiub]|U|S)([1-9][0-9]{0,5})");
   std::smatch match;
   if (!std::regex_match(type, match, pattern)) throw std::runtime_error(fmt::format("holds the unknown type {}", type));
   return std::stoul(match[2]) * (match[1] == "U" ? 4U : 1U);

@@ -17,6 +17,8 @@ class NpzReader {
   explicit NpzReader(const std::filesystem::path& path) : zip_(path) {}
 
   [[nodiscard]] bool has(const std::string& name) const { return zip_.has(name + ".npy"); }
+  /// How long the array is with its head, as the archive says. Throws FileError when it is missing.
+  [[nodiscard]] std::size_t bytes_of(const std::string& name) const { return zip_.size_of(name + ".npy"); }
   // Each throws FileError when the array is missing, damaged or of another type.
   [[nodiscard]] std::vector<double> doubles(const std::string& name) const;
   [[nodiscard]] std::vector<std::int64_t> integers(const std::string& name) const;

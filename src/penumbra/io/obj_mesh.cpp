@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "penumbra/file/file_error.h"
+#include "penumbra/io/cutting_work.h"
 #include "penumbra/math/polygon.h"
 #include "penumbra/math/polygon_pieces.h"
 
@@ -103,6 +104,7 @@ class MeshMaker {
   void add_face(std::uint32_t f);
   Cut cut_of(const ObjFace& face);
   Cut cut_of_polygon(const ObjFace& face);
+  void check_cutting(const ObjFace& face);
   void drop_repeated_corners();
   std::uint32_t vertex(const ObjCorner& corner, std::uint32_t face, const Vec3d& face_normal);
   [[nodiscard]] bool has_normal(const ObjCorner& corner) const {
@@ -123,6 +125,7 @@ class MeshMaker {
   bool wants_normals_ = false;
   bool wants_uvs_ = false;
   bool all_triangles_ = true;
+  CuttingWork cutting_work_;
   // The face in hand.
   std::vector<ObjCorner> corners_;
   std::vector<Vec3d> polygon_;
@@ -174,6 +177,7 @@ Cut MeshMaker::cut_of(const ObjFace& face) {
   if (polygon_.size() > 3) drop_repeated_corners();
   const double size = polygon_size(polygon_);
   if (length(newell_vector(polygon_)) <= 1e-14 * size * size) {
+    check_cutting(face);
     // Loops of a figure of eight may cancel.
     if (crosses_itself(polygon_, widest_normal(polygon_))) fail(face, crossing_sentence);
     warnings_.count("faces without area were kept but receive no light", place_of(face));
@@ -204,10 +208,7 @@ Cut MeshMaker::cut_of_polygon(const ObjFace& face) {
     cut_convex(0, static_cast<std::uint32_t>(polygon_.size() - 1), cut.triangles);
     return cut;
   }
-  if (polygon_.size() > most_concave_corners) {
-    fail(face, fmt::format("the concave polygon has {} corners, more than the {} that are cut into triangles; split it",
-                           polygon_.size(), most_concave_corners));
-  }
+  check_cutting(face);
   cut.triangles = triangulate_polygon(polygon_);
   // A strongly bent outline may cross itself in one view and not in another: it is not judged.
   if (convex || bend > 1e-2 * size || !is_self_intersecting(polygon_)) return cut;
@@ -224,16 +225,28 @@ Cut MeshMaker::cut_of_polygon(const ObjFace& face) {
   return cut;
 }
 
+void MeshMaker::check_cutting(const ObjFace& face) {
+  if (polygon_.size() > most_concave_corners) {
+    fail(face, fmt::format("the concave polygon has {} corners, more than the {} that are cut into triangles; split it",
+                           polygon_.size(), most_concave_corners));
+  }
+  if (!cutting_work_.allows(polygon_.size())) fail(face, "the large concave polygons take too long to cut; split them");
+}
+
 // A corner at the place of the one before it adds nothing, as long as a triangle remains.
 void MeshMaker::drop_repeated_corners() {
-  for (std::size_t i = 0; i < polygon_.size() && polygon_.size() > 3;) {
-    if (polygon_[i] == polygon_[(i + 1) % polygon_.size()]) {
-      polygon_.erase(polygon_.begin() + static_cast<std::ptrdiff_t>(i));
-      corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(i));
-    } else {
-      ++i;
+  const std::size_t count = polygon_.size();
+  std::size_t kept = 0, left = count;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (left > 3 && polygon_[i] == polygon_[(i + 1) % count]) {
+      --left;
+      continue;
     }
+    polygon_[kept] = polygon_[i];
+    corners_[kept++] = corners_[i];
   }
+  polygon_.resize(kept);
+  corners_.resize(kept);
 }
 
 std::uint32_t MeshMaker::vertex(const ObjCorner& corner, std::uint32_t face, const Vec3d& face_normal) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -42,21 +43,22 @@ std::vector<std::string> library_names(const std::string& names, const AssetFold
 
 MtlLibrary read_libraries(const ObjModel& model, const AssetFolder& folder, WarningTally& warnings) {
   MtlLibrary all;
+  std::set<std::filesystem::path> known;
   for (const auto& [names, place] : model.libraries) {
     for (const std::string& name : library_names(names, folder)) {
       const std::string named = fmt::format("{} ({})", place, in_quotes(name));
       try {
         const auto path = folder.resolve(name);
         std::error_code ignored;
+        if (!known.insert(path).second) continue;
         if (std::filesystem::exists(path, ignored)) {
           all.merge(read_mtl(path, warnings));
         } else {
           warnings.count("the MTL file is not there, so its materials are matt grey; put it beside the OBJ", named);
         }
-      } catch (const std::invalid_argument&) {
-        warnings.count(
-            "MTL files outside the folder of the OBJ are not read; copy them there or allow them (--allow-outside)",
-            named);
+      } catch (const std::invalid_argument& wrong) {
+        warnings.count(fmt::format("an MTL file is not read, so its materials are matt grey: it {}", wrong.what()),
+                       named);
       }
     }
   }

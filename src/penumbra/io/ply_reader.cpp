@@ -17,6 +17,7 @@
 
 #include "penumbra/file/file_error.h"
 #include "penumbra/file/input_file.h"
+#include "penumbra/io/cutting_work.h"
 #include "penumbra/io/text_cursor.h"
 #include "penumbra/math/polygon_pieces.h"
 
@@ -384,6 +385,9 @@ class BodyReader {
         }
         corners.push_back(mesh_.positions[v]);
       }
+      if (!cutting_work_.allows(corners.size())) {
+        values_.fail(fmt::format("face {}", f), "and the large ones before it take too long to cut; split them");
+      }
       for (const auto& t : triangulate_polygon(corners)) {
         mesh_.triangles.push_back({face[t[0]], face[t[1]], face[t[2]]});
         mesh_.face_of_triangle.push_back(static_cast<std::uint32_t>(f));
@@ -394,6 +398,7 @@ class BodyReader {
   Values& values_;
   double unit_;
   Mesh mesh_;
+  CuttingWork cutting_work_;
   std::vector<double> row_;
   std::vector<double> list_;
 };

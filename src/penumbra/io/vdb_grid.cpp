@@ -18,8 +18,6 @@ namespace penumbra {
 
 namespace {
 
-constexpr double most_cells = 1 << 28;  // 1 GiB of floats
-
 openvdb::FloatGrid::Ptr float_grid(openvdb::io::File& file) {
   openvdb::FloatGrid::Ptr first;
   for (auto name = file.beginName(); name != file.endName(); ++name) {
@@ -45,7 +43,9 @@ DensityGrid sampled(const openvdb::FloatGrid& grid, const std::string& path) {
   for (int axis = 0; axis < 3; ++axis) {
     const double cells = std::max(1.0, std::round(made.box.extent()[axis] / size[axis]));
     count *= cells;
-    if (count > most_cells) throw FileError(path, "", "its density grid has more than 268 million cells; resample it");
+    if (count > static_cast<double>(most_grid_bytes / sizeof(float))) {
+      throw FileError(path, "", "its density grid would take more than 1 GiB; resample it");
+    }
     made.cells[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(cells);
   }
   const openvdb::tools::GridSampler<openvdb::FloatGrid, openvdb::tools::BoxSampler> sampler(grid);

@@ -119,10 +119,14 @@ void ZipReader::read_wide_sizes(Member& member, std::uint64_t at, std::uint64_t 
   }
 }
 
-std::vector<std::byte> ZipReader::read(const std::string& name) const {
+const ZipReader::Member& ZipReader::member(const std::string& name) const {
   const auto found = members_.find(name);
   if (found == members_.end()) throw FileError(path_, "", fmt::format("the archive holds no {}", name));
-  const Member& m = found->second;
+  return found->second;
+}
+
+std::vector<std::byte> ZipReader::read(const std::string& name) const {
+  const Member& m = member(name);
   if (number(m.offset, 4) != 0x04034b50)
     throw FileError(path_, name, "does not begin where the directory says; the file is damaged");
   if ((m.flags & 1U) != 0) throw FileError(path_, name, "is encrypted; save it without a password");

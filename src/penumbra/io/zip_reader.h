@@ -17,6 +17,8 @@ class ZipReader {
   explicit ZipReader(const std::filesystem::path& path);
 
   [[nodiscard]] bool has(const std::string& name) const { return members_.contains(name); }
+  /// A member's size once unpacked, as the directory claims it. Throws FileError when there is none of the name.
+  [[nodiscard]] std::size_t size_of(const std::string& name) const { return member(name).size; }
   /// A member's bytes. Throws FileError when there is none of the name, it is cut short, damaged, encrypted, or packed
   /// in another way.
   [[nodiscard]] std::vector<std::byte> read(const std::string& name) const;
@@ -27,6 +29,7 @@ class ZipReader {
   struct Member {
     std::uint64_t method = 0, flags = 0, checksum = 0, packed_size = 0, size = 0, offset = 0;
   };
+  [[nodiscard]] const Member& member(const std::string& name) const;
   [[nodiscard]] std::uint64_t number(std::uint64_t at, int size) const;
   [[nodiscard]] std::uint64_t find_end() const;
   void read_directory(std::uint64_t at, std::uint64_t count);
