@@ -331,7 +331,7 @@ TEST(TexelLight, EnergyIsKept) {
   for (std::size_t t = 0; t < b.texels.count(); ++t) {
     if (b.light.buried[t] != 0) continue;
     const double share = 1 - reflectance[quads[b.chart(t)].material];
-    absorbed += share * b.at(t) * b.texels.footprints[t] * b.texels.footprints[t];
+    absorbed += share * b.at(t) * b.texels.footprint(t) * b.texels.footprint(t);
   }
   // The lamp's back absorbs what comes between it and the ceiling: a little, bounded by what the ceiling has there.
   const double emitted = 1.5 * 5 * pi;

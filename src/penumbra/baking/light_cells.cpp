@@ -233,7 +233,7 @@ void LightCells::light_backs(std::size_t first_row) {
       const auto texels = texels_of(cell_of_row_[first_row + k]);
       const std::uint32_t texel = texels[texels.size() / 2];
       places[k - first] = points_[texel].reversed();
-      reach = std::max(reach, rays_.map().texels().footprints[texel]);
+      reach = std::max(reach, rays_.map().texels().footprint(texel));
     }
     straight_.at(std::span(places).first(last - first), reach, light);
     for (std::size_t k = first; k < last; ++k) received_[first_row + k] += Vec4f(Vec3f(light[k - first]), 0);

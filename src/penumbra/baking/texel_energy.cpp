@@ -26,7 +26,7 @@ std::vector<double> areas_of_texels(const TexelMap& map) {
       true_area[atlas.chart_of_triangle[atlas.first_triangle[i] + t]] += 0.5 * length(area);
     }
   }
-  const auto footprint = [&](std::uint32_t t) { return texels.footprints[t] * texels.footprints[t]; };
+  const auto footprint = [&](std::uint32_t t) { return texels.footprint(t) * texels.footprint(t); };
   for (std::uint32_t t = 0; t < texels.count(); ++t) covered[map.chart(t)] += footprint(t);
   std::vector<double> areas(texels.count(), 0);
   for (std::uint32_t t = 0; t < texels.count(); ++t) {
