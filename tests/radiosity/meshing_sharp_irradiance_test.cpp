@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/ext/matrix_transform.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -143,7 +144,7 @@ TEST(VertexColouredScene, LampsGiveBakedColoursCrispShadows) {
 
 TEST(VertexColouredScene, KeepsWhatWasSaidOfObjects) {
   Scene scene = polygon_scene(room({1, 2, 3}));
-  scene.instances.push_back({"again", 0, Mat4d(1)});
+  scene.instances.push_back({"again", 0, glm::translate(Mat4d(1), Vec3d(5, 0, 0))});
   scene.instances[0].extras = R"({"id":7})";
   scene.meshes[0].extras = R"({"lod":0})";
   scene.extras = R"({"shop":"lamps"})";

@@ -54,7 +54,7 @@ TexelEnergy texel_energy(const TexelSolution& solution) {
       const Place place = side.back ? solution.points()[texel].reversed() : solution.points()[texel];
       part.emitted += area * (sum_of(side.emission) + static_cast<double>(side.sky) +
                               sum_of(Rgb(solution.straight().far_irradiance(place))));
-      const double absorbed = area * sum_of((Rgb(1.0F) - side.albedo) * side.irradiance);
+      const double absorbed = area * sum_of(glm::max(Rgb(side.matt) - side.albedo, Rgb(0.0F)) * side.irradiance);
       (side.back && solution.backs_are_black() ? part.absorbed_by_backs : part.absorbed) += absorbed;
     }
   });
