@@ -159,8 +159,7 @@ std::vector<std::string> write_solution(const std::string& path, const DiffuseSo
     const double to_colour = std::exp2(scale.exposure) / std::numbers::pi;
     const MadePatchMesh faces = make_element_faces(scene, PatchSides::both, MeshingOptions{}.shape_segments);
     const LampIrradiance lamps(scene, faces.mesh);
-    Scene coloured =
-        vertex_coloured_scene(solution.mesh, solution.irradiance, to_colour, solution.object_names, &lamps);
+    Scene coloured = vertex_coloured_scene(solution.mesh, solution.irradiance, to_colour, scene, &lamps);
     coloured.cameras = scene.cameras;
     return write_glb(path, coloured,
                      {{"profile", "vertex"},

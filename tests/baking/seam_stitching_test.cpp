@@ -127,7 +127,7 @@ TEST(SeamStitching, FacetsOfASphereMeetMoreCloselyThanBefore) {
   const LightmapAtlas atlas = make_lightmap_atlas(scene, {.size = 512});
   const Texels texels = make_texels(atlas);
   Light light(
-      scene, {}, [&](std::size_t i) { return std::max(0.0, texels.normals[i].y); }, &atlas);
+      scene, {}, [&](std::size_t i) { return std::max(0.0, texels.normal(i).y); }, &atlas);
   const std::vector<ChartSeam> seams = find_seams(light.atlas, 0.35);
   const double before = light.largest_step(seams);
   light.stitch(seams);
@@ -218,7 +218,7 @@ TEST(Dilation, BuriedTexelsTakeTheLightOfTheirOwnChart) {
   }
   std::size_t of_that_wall = 0;
   for (std::size_t i = 0; i < texels.count(); ++i) {
-    of_that_wall += buried[i] != 0 && std::abs(texels.normals[i].x) > 0.5 ? 1U : 0U;
+    of_that_wall += buried[i] != 0 && std::abs(texels.normal(i).x) > 0.5 ? 1U : 0U;
   }
   EXPECT_EQ(lost, of_that_wall) << "the wall that is buried wholly has none to take";
 }

@@ -146,14 +146,14 @@ TEST(TexelDenoising, ACreaseWithinAChartKeepsItsJump) {
   std::vector<float> light, error(texels.count(), 0.1F);
   CounterRng random(3);
   for (std::size_t t = 0; t < texels.count(); ++t) {
-    const double truth = texels.normals[t].x < 0 ? 1.0 : 1.1;
+    const double truth = texels.normal(t).x < 0 ? 1.0 : 1.1;
     light.insert(light.end(), 3, static_cast<float>(truth + 0.1 * std::sqrt(12.0) * (random.next() - 0.5)));
   }
   denoise_texels(points, std::vector<std::uint8_t>(texels.count(), 0), light, error);
   double sums[2] = {}, counts[2] = {};
   for (std::size_t t = 0; t < texels.count(); ++t) {
     if (std::abs(texels.positions[t].x - 0.5) > 0.1) continue;
-    const int side = texels.normals[t].x < 0 ? 0 : 1;
+    const int side = texels.normal(t).x < 0 ? 0 : 1;
     sums[side] += light[3 * t], counts[side] += 1;
   }
   EXPECT_NEAR(sums[1] / counts[1] - sums[0] / counts[0], 0.1, 0.03);

@@ -331,11 +331,25 @@ TEST(TexelLight, EnergyIsKept) {
   for (std::size_t t = 0; t < b.texels.count(); ++t) {
     if (b.light.buried[t] != 0) continue;
     const double share = 1 - reflectance[quads[b.chart(t)].material];
-    absorbed += share * b.at(t) * b.texels.footprints[t] * b.texels.footprints[t];
+    absorbed += share * b.at(t) * b.texels.footprint(t) * b.texels.footprint(t);
   }
   // The lamp's back absorbs what comes between it and the ceiling: a little, bounded by what the ceiling has there.
   const double emitted = 1.5 * 5 * pi;
   EXPECT_NEAR(absorbed / emitted, 1, 0.006);
+}
+
+TEST(TexelLight, WhatMirrorsPassOnIsNotAbsorbed) {
+  // A closed room with a perfect mirror and a rough metal that absorbs nothing: matt walls absorb what is sent out.
+  std::vector<Quad> quads = box(Vec3d(0), {3, 2, 4}, 20, true);
+  quads[3].material = 1, quads[4].material = 2;
+  quads.push_back({{Vec3d(1, 1.99, 1), {2, 1.99, 1}, {2, 1.99, 2.5}, {1, 1.99, 2.5}}, 3, 8, 8, "lamp"});
+  Material mirror = matt(0), metal;
+  mirror.mirror = Rgb(1.0F);
+  metal.base_colour = Rgb(1.0F);
+  metal.metallic = 1;
+  metal.roughness = 0.4F;
+  const Baked b = bake(lit_by({matt(0.6), mirror, metal, matt(0, 5)}), quads, {.noise = 0.02});
+  EXPECT_NEAR(b.light.energy.absorbed / b.light.energy.emitted, 1, 0.015);
 }
 
 TEST(TexelLight, MirrorsBringLight) {

@@ -48,8 +48,8 @@ void expect_on_their_triangles(const LightmapAtlas& atlas, const Texels& texels)
     const Place place = place_on(atlas, texels.triangles[i], texels.positions[i]);
     ASSERT_LT(place.distance, 1e-9);
     ASSERT_GT(place.smallest_weight, -1e-9);
-    ASSERT_LT(length(place.front - texels.normals[i]), 1e-9);
-    ASSERT_GT(dot(texels.shading_normals[i], texels.normals[i]), 0);
+    ASSERT_LT(length(place.front - texels.normal(i)), 1e-9);
+    ASSERT_GT(dot(texels.shading_normal(i), texels.normal(i)), 0);
     // Where the texel's square is, or the centre itself.
     const Vec2d centre(texels.pixels[i] % static_cast<std::uint32_t>(texels.width) + 0.5,
                        texels.pixels[i] / static_cast<std::uint32_t>(texels.width) + 0.5);
@@ -68,7 +68,7 @@ TEST(Texels, ARectangleHasAsManyAsItsTexelsAndTheirCentresAreItsPoints) {
     const Vec2d centre(texels.pixels[i] % static_cast<std::uint32_t>(texels.width) + 0.5,
                        texels.pixels[i] / static_cast<std::uint32_t>(texels.width) + 0.5);
     ASSERT_LT(glm::length(place_on(atlas, texels.triangles[i], texels.positions[i]).texel - centre), 1e-3);
-    area += texels.footprints[i] * texels.footprints[i];
+    area += texels.footprint(i) * texels.footprint(i);
   }
   EXPECT_NEAR(area, 52, 52 * 1e-5) << "of the walls, m^2";
 }
@@ -132,8 +132,8 @@ TEST(Texels, ThinAndFlatTrianglesHaveTexelsToo) {
   EXPECT_EQ(count[0], 8);
   EXPECT_EQ(count[1], 16);
   EXPECT_EQ(count[2], 1);
-  for (const Vec3d& n : texels.normals) EXPECT_NEAR(length(n), 1, 1e-9);
-  for (const double f : texels.footprints) EXPECT_TRUE(std::isfinite(f));
+  for (const Vec3d& n : texels.normals_of) EXPECT_NEAR(length(n), 1, 1e-9);
+  for (const double f : texels.footprints_of) EXPECT_TRUE(std::isfinite(f));
 }
 
 TEST(Texels, ThreadedAndAloneAreTheSame) {

@@ -120,9 +120,8 @@ TEST(BakeDirectional, LightOfAFurnaceComesFromThePolesOfItsWalls) {
   for (int row = 0; row < picture.height; ++row) {
     for (int column = 0; column < picture.width; ++column) {
       const float* p = picture.pixel(column, row);
-      // Where walls that all shine meet, points of lamps are noisy.
-      EXPECT_NEAR(p[mean], l0, 0.4 * l0);
-      EXPECT_NEAR(std::hypot(p[x], p[y], p[z]), l1, 0.4 * l1);
+      EXPECT_NEAR(p[mean], l0, 0.05 * l0);
+      EXPECT_NEAR(std::hypot(p[x], p[y], p[z]), l1, 0.05 * l1);
       sum0 += static_cast<double>(p[mean]), sum1 += std::hypot(p[x], p[y], p[z]);
     }
   }

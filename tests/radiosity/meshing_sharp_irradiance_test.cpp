@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/ext/matrix_transform.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -128,10 +129,9 @@ TEST(VertexColouredScene, LampsGiveBakedColoursCrispShadows) {
   const MadePatchMesh faces = make_element_faces(scene, PatchSides::both, 8);
   const LampIrradiance lamps(scene, faces.mesh);
   const std::vector<double> means = element_means(elements);  // of the floor; the rest is not looked at
-  const std::vector<std::string> names{"floor", "lamp", "blocker"};
   constexpr double reflectance = 0.5;
   const auto rms_of_floor = [&](const LampIrradiance* exact) {
-    const Scene coloured = vertex_coloured_scene(elements, means, 1, names, exact);
+    const Scene coloured = vertex_coloured_scene(elements, means, 1, scene, exact);
     const Mesh& floor = coloured.meshes.at(0);
     double square = 0;
     for (std::size_t v = 0; v < floor.positions.size(); ++v) {
@@ -140,6 +140,22 @@ TEST(VertexColouredScene, LampsGiveBakedColoursCrispShadows) {
     return std::sqrt(square / static_cast<double>(floor.positions.size()));
   };
   EXPECT_LT(rms_of_floor(&lamps), 0.2 * rms_of_floor(nullptr));
+}
+
+TEST(VertexColouredScene, KeepsWhatWasSaidOfObjects) {
+  Scene scene = polygon_scene(room({1, 2, 3}));
+  scene.instances.push_back({"again", 0, glm::translate(Mat4d(1), Vec3d(5, 0, 0))});
+  scene.instances[0].extras = R"({"id":7})";
+  scene.meshes[0].extras = R"({"lod":0})";
+  scene.extras = R"({"shop":"lamps"})";
+  const PatchMesh elements = make_uniform_elements(scene, {.element_size = 1, .sides = PatchSides::front}).mesh;
+  const Scene coloured = vertex_coloured_scene(elements, std::vector<double>(3 * elements.patch_count(), 1), 1, scene);
+  ASSERT_EQ(coloured.instances.size(), 2U);
+  EXPECT_EQ(coloured.instances[0].extras, scene.instances[0].extras);
+  EXPECT_EQ(coloured.instances[1].name, "again");
+  EXPECT_EQ(coloured.instances[1].extras, "");
+  for (const Mesh& mesh : coloured.meshes) EXPECT_EQ(mesh.extras, scene.meshes[0].extras);
+  EXPECT_EQ(coloured.extras, scene.extras);
 }
 
 TEST(LampIrradiance, KnowsTheConeOfASpot) {

@@ -79,10 +79,10 @@ void LightCells::paint(std::span<const float> direct) {
       bool shines = false;
       for (std::size_t k = 0; k < texels.size(); k += step, looks += 1) {
         const TexelPaint p = paint_of_texel(rays_.map(), space_, straight_.lamps(), texels[k]);
-        sum.albedo += p.albedo, sum.emission += p.emission, sum.back_emission += p.back_emission;
+        sum.albedo += p.albedo, sum.matt += p.matt, sum.emission += p.emission, sum.back_emission += p.back_emission;
         shines = shines || straight_.lamps().of_triangle[rays_.map().texels().triangles[texels[k]]] != 0;
       }
-      albedo_[c] = Vec4f(sum.albedo / looks, 0);
+      albedo_[c] = Vec4f(sum.albedo, sum.matt) / looks;
       emission_[c] = Vec4f(sum.emission / looks, 0);
       back_emission_[c] = Vec4f(sum.back_emission / looks, 0);
       lit_[c] = shines || brightness(received_[c] + emission_[c] + back_emission_[c]) > 0;
@@ -233,7 +233,7 @@ void LightCells::light_backs(std::size_t first_row) {
       const auto texels = texels_of(cell_of_row_[first_row + k]);
       const std::uint32_t texel = texels[texels.size() / 2];
       places[k - first] = points_[texel].reversed();
-      reach = std::max(reach, rays_.map().texels().footprints[texel]);
+      reach = std::max(reach, rays_.map().texels().footprint(texel));
     }
     straight_.at(std::span(places).first(last - first), reach, light);
     for (std::size_t k = first; k < last; ++k) received_[first_row + k] += Vec4f(Vec3f(light[k - first]), 0);
@@ -254,6 +254,7 @@ LightCells::Side LightCells::side(std::size_t number) const {
   const std::uint32_t c = cell_of_row_[number];
   const bool back = number >= back_of_cell_.size(), black = back && options_.front_sides_only;
   Side side{.texels = texels_of(c), .back = back};
+  if (!black) side.matt = albedo_[c].w;
   if (!black) side.albedo = Rgb(albedo_[c]), side.emission = Rgb(back ? back_emission_[c] : emission_[c]);
   side.irradiance = Rgb(irradiance_[number]);
   side.sky = sky_[number];

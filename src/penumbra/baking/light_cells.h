@@ -53,7 +53,8 @@ class LightCells {
     std::span<const std::uint32_t> texels;
     bool back = false;
     Rgb albedo{0.0F}, emission{0.0F}, irradiance{0.0F};  ///< W/m^2; emission without that of straight lamps
-    float sky = 0;  ///< the part of the irradiance that comes from the environment, summed over bands
+    float matt = 1;  ///< the share of the surface that passes no light on by mirror, metal or glass
+    float sky = 0;   ///< the part of the irradiance that comes from the environment, summed over bands
   };
   [[nodiscard]] std::size_t side_count() const { return rows(); }
   [[nodiscard]] Side side(std::size_t number) const;
@@ -101,7 +102,7 @@ class LightCells {
   std::vector<std::uint8_t> lit_;                         // by cell: straight light or emission
   std::vector<std::uint8_t> buried_;                      // by cell
   std::vector<float> back_share_;                         // by cell: of its rays
-  std::vector<Vec4f> albedo_, emission_, back_emission_;  // by cell
+  std::vector<Vec4f> albedo_, emission_, back_emission_;  // by cell; the albedo's w is the matt share
   std::vector<Vec4f> received_;                           // by row: straight light and what rays picked up
   std::vector<float> sky_;                                // by row: of that, from the environment, over all bands
   std::vector<std::uint32_t> landed_;                     // by row and ray: side of a cell, then slot

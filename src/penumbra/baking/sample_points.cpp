@@ -124,7 +124,7 @@ SamplePoints::SamplePoints(const RayTracer& tracer, const TexelMap& map, const A
 }
 
 Place SamplePoints::own(std::uint32_t texel) const {
-  return {texels_.positions[texel], texels_.normals[texel], texels_.shading_normals[texel]};
+  return {texels_.positions[texel], texels_.normal(texel), texels_.shading_normal(texel)};
 }
 
 Place SamplePoints::operator[](std::uint32_t texel) const {
@@ -158,7 +158,7 @@ bool SamplePoints::are_on_one_side(const Place& a, const Place& b) const {
 std::uint32_t SamplePoints::on_side_of(const Place& point, std::uint32_t texel) const {
   constexpr std::array<std::array<int, 2>, 9> beside{
       {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
-  const bool back = dot(point.normal, texels_.normals[texel]) < 0;
+  const bool back = dot(point.normal, texels_.normal(texel)) < 0;
   std::uint32_t best = TexelMap::none;
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& [right, down] : beside) {

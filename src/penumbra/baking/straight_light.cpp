@@ -7,8 +7,8 @@
 
 #include "penumbra/math/frame.h"
 #include "penumbra/math/rng.h"
-#include "penumbra/math/sampling.h"
 #include "penumbra/math/sobol.h"
+#include "penumbra/math/spherical_triangle.h"
 #include "penumbra/radiosity/light_irradiance.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
 
@@ -144,29 +144,32 @@ std::optional<StraightLight::Beam> StraightLight::beam_of(const Lamp& lamp, cons
 
 void StraightLight::add_beams(const Lamp& lamp, const Vec3d& point, const Vec3d& normal, std::uint32_t samples,
                               std::uint64_t key, std::vector<Beam>& beams) const {
+  // By solid angle: where a lamp meets the surface it shines on, its near points are no brighter than its far ones.
   const Vec3d facing = polygon_normal(lamp.corners);
-  const double area = polygon_area(lamp.corners);
-  const std::size_t triangles = lamp.corners.size() - 2;
-  std::vector<double> areas{0};
-  for (std::size_t t = 0; t < triangles; ++t) {
-    areas.push_back(areas.back() +
-                    0.5 * length(cross(lamp.corners[t + 1] - lamp.corners[0], lamp.corners[t + 2] - lamp.corners[0])));
+  const double before = dot(facing, point - lamp.corners[0]);  // m in front of the lamp
+  if (!(before > 0)) return;
+  std::vector<Vec3d> corners = lamp.corners;
+  if (normal != Vec3d(0)) clip_polygon(lamp.corners, {normal, dot(normal, point)}, 0, corners);
+  if (corners.size() < 3) return;
+  for (Vec3d& c : corners) c = normalize(c - point);
+  std::vector<SphericalTriangle> triangles;
+  std::vector<double> shares{0};
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    triangles.emplace_back(corners[0], corners[k - 1], corners[k]);
+    shares.push_back(shares.back() + triangles.back().solid_angle());
   }
+  const Rgb irradiance(lamp.strength * (shares.back() / (std::numbers::pi * samples)));
   for (std::uint32_t k = 0; k < samples; ++k) {
     Vec2d u = owen_sobol_2d(k, hash_key(key, lamp.patch));
-    const double place = u.x * areas.back();
+    const double place = u.x * shares.back();
     std::size_t t = 0;
-    while (t + 1 < triangles && place >= areas[t + 1]) ++t;
-    u.x = std::clamp((place - areas[t]) / (areas[t + 1] - areas[t]), 0.0, 1.0);
-    const Vec2d b = sample_triangle(u);
-    const Vec3d way = lamp.corners[0] + b.x * (lamp.corners[t + 1] - lamp.corners[0]) +
-                      b.y * (lamp.corners[t + 2] - lamp.corners[0]) - point;
-    const double r2 = length_squared(way), r = std::sqrt(r2), cosine = -dot(way, facing) / r;
-    if (!(cosine > 0) || (normal != Vec3d(0) && !(dot(way, normal) > 0))) continue;
-    const Ray ray{.origin = point, .direction = way / r, .t_max = r * (1 - shortening)};
-    if (tracer_.occluded(ray)) continue;
-    const double solid_angle = area / samples * cosine / r2;
-    beams.push_back({ray.direction, Rgb(lamp.strength * (solid_angle / std::numbers::pi))});
+    while (t + 1 < triangles.size() && place >= shares[t + 1]) ++t;
+    u.x = std::clamp((place - shares[t]) / (shares[t + 1] - shares[t]), 0.0, 1.0);
+    const Vec3d direction = triangles[t].sample(u);
+    const double cosine = -dot(direction, facing);
+    if (!(cosine > 0) || (normal != Vec3d(0) && !(dot(direction, normal) > 0))) continue;
+    const Ray ray{.origin = point, .direction = direction, .t_max = before / cosine * (1 - shortening)};
+    if (!tracer_.occluded(ray)) beams.push_back({direction, irradiance});
   }
 }
 

@@ -47,9 +47,9 @@ class StraightLight {
     Vec3d direction{0};    ///< unit, to where it comes from
     Rgb irradiance{0.0F};  ///< on a surface that faces it, W/m^2
   };
-  /// The light of lamps at a point in space as beams that together are it: points of lamps by low-discrepancy samples,
-  /// as many to each, all that reach the point unhindered. @param normal unit: only what comes from its side; zero:
-  /// all.
+  /// The light of lamps at a point in space as beams that together are it: low-discrepancy directions to each lamp,
+  /// even over what is seen of it with nothing in between, as many to each; those that reach it unhindered.
+  /// @param normal unit: only what comes from its side; zero: all.
   [[nodiscard]] std::vector<Beam> beams(const Vec3d& point, const Vec3d& normal, std::uint32_t samples,
                                         std::uint64_t key) const;
 

@@ -30,7 +30,7 @@ class DirectLight {
     double reach = 0;
     for (std::size_t k = 0; k < texels.size(); ++k) {
       places[k] = points_[texels[k]];
-      reach = std::max(reach, map_.texels().footprints[texels[k]]);
+      reach = std::max(reach, map_.texels().footprint(texels[k]));
     }
     straight_.at(std::span(places).first(texels.size()), reach, found);
     for (std::size_t k = 0; k < texels.size(); ++k) set(light_, texels[k], Rgb(found[k]));
@@ -63,7 +63,7 @@ class DirectLight {
     }
     if (places.empty()) return of(texel);
     std::vector<Vec3d> found(places.size());
-    straight_.at(places, map_.texels().footprints[texel], found);
+    straight_.at(places, map_.texels().footprint(texel), found);
     Vec3d sum(0);
     for (const Vec3d& light : found) sum += light;
     return Rgb(sum / static_cast<double>(places.size()));

@@ -26,7 +26,7 @@ std::vector<double> areas_of_texels(const TexelMap& map) {
       true_area[atlas.chart_of_triangle[atlas.first_triangle[i] + t]] += 0.5 * length(area);
     }
   }
-  const auto footprint = [&](std::uint32_t t) { return texels.footprints[t] * texels.footprints[t]; };
+  const auto footprint = [&](std::uint32_t t) { return texels.footprint(t) * texels.footprint(t); };
   for (std::uint32_t t = 0; t < texels.count(); ++t) covered[map.chart(t)] += footprint(t);
   std::vector<double> areas(texels.count(), 0);
   for (std::uint32_t t = 0; t < texels.count(); ++t) {
@@ -54,7 +54,7 @@ TexelEnergy texel_energy(const TexelSolution& solution) {
       const Place place = side.back ? solution.points()[texel].reversed() : solution.points()[texel];
       part.emitted += area * (sum_of(side.emission) + static_cast<double>(side.sky) +
                               sum_of(Rgb(solution.straight().far_irradiance(place))));
-      const double absorbed = area * sum_of((Rgb(1.0F) - side.albedo) * side.irradiance);
+      const double absorbed = area * sum_of(glm::max(Rgb(side.matt) - side.albedo, Rgb(0.0F)) * side.irradiance);
       (side.back && solution.backs_are_black() ? part.absorbed_by_backs : part.absorbed) += absorbed;
     }
   });

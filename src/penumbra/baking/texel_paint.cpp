@@ -17,7 +17,11 @@ bool varies(const Scene& scene, std::uint32_t instance, const Material& m) {
 
 void add(const Scene& scene, const SurfacePoint& point, TexelPaint& sum) {
   SurfaceMaterial m = surface_material(scene, point);
-  if (scene.materials[point.material].unlit) return;  // a picture of light, neither lamp nor mirror
+  if (scene.materials[point.material].unlit) {  // a picture of light, neither lamp nor mirror
+    sum.matt += 1;
+    return;
+  }
+  sum.matt += (1 - m.metallic) * (1 - m.transmission) * (1 - max_component(m.mirror)) * m.alpha;
   const Rgb emission = std::numbers::pi_v<float> * m.emission;
   sum.emission += emission;
   if (scene.materials[point.material].double_sided) sum.back_emission += emission;
@@ -50,6 +54,7 @@ TexelPaint paint_of_texel(const TexelMap& map, const AtlasSpace& space, const St
   }
   const float share = 1 / static_cast<float>(count);
   paint.albedo *= share;
+  paint.matt *= share;
   paint.emission *= lamps.holds(triangle, false) ? 0 : share;
   paint.back_emission *= lamps.holds(triangle, true) ? 0 : share;
   return paint;

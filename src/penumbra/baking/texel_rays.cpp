@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "penumbra/math/rng.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/fresnel.h"
 #include "penumbra/tracing/shading/light_sampling.h"
@@ -15,10 +14,6 @@ namespace {
 constexpr auto pi = std::numbers::pi_v<float>;
 constexpr int most_turns = 32;
 constexpr float least_weight = 1e-3F;
-
-bool does_more_than_reflect_diffusely(const Material& m) {
-  return !m.unlit && (m.metallic > 0 || m.transmission > 0 || !is_black(m.mirror) || m.alpha_mode == AlphaMode::blend);
-}
 
 /// What may happen to a ray at a surface, by how much of the light it makes up.
 struct Shares {
@@ -51,21 +46,27 @@ Rgb diffuse_albedo(SurfaceMaterial m, const Vec3d& geometric_normal) {
 
 }  // namespace
 
-TexelRays::TexelRays(const SamplePoints& points, const StraightLamps& lamps)
+TexelRays::TexelRays(const SamplePoints& points, const AtlasSpace& space, const StraightLamps& lamps)
     : points_(points),
       tracer_(points.tracer()),
       map_(points.map()),
       lamps_(lamps),
-      environment_(points.map().atlas().scene) {
+      environment_(points.map().atlas().scene),
+      metals_(points.map(), space) {
   const LightmapAtlas& atlas = map_.atlas();
-  is_special_.resize(atlas.first_triangle.back());
+  kinds_.resize(atlas.first_triangle.back());
   for (std::size_t i = 0; i + 1 < atlas.first_triangle.size(); ++i) {
     const Mesh& mesh = atlas.scene.meshes[atlas.scene.instances[i].mesh];
     for (std::uint32_t t = atlas.first_triangle[i]; t < atlas.first_triangle[i + 1]; ++t) {
-      is_special_[t] =
-          does_more_than_reflect_diffusely(atlas.scene.materials[mesh.material_of(t - atlas.first_triangle[i])]);
+      kinds_[t] = kind_of(atlas.scene.materials[mesh.material_of(t - atlas.first_triangle[i])]);
     }
   }
+}
+
+TexelRays::Kind TexelRays::kind_of(const Material& m) {
+  if (is_opaque_metal(m)) return Kind::metal;
+  const bool is_matt = m.unlit || (m.transmission == 0 && is_black(m.mirror) && m.alpha_mode != AlphaMode::blend);
+  return is_matt ? Kind::matt : Kind::other;
 }
 
 std::uint32_t TexelRays::texel_at(const Hit& hit, std::uint32_t triangle, bool back) const {
@@ -95,7 +96,7 @@ void TexelRays::trace(const RayPacket& rays, std::uint64_t key, Landing (&landin
       continue;
     }
     const std::uint32_t triangle = first_triangle[hits.object[i]] + hits.primitive[i];
-    if (is_special_[triangle] != 0) {
+    if (kinds_[triangle] != Kind::matt) {
       Ray ray{.origin = {rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]}, .direction = normalize(direction())};
       const Hit hit{hits.t[i], hits.object[i], hits.primitive[i], {hits.u[i], hits.v[i]}};
       landing = follow(ray, hit, hash_key(key, i));
@@ -111,71 +112,85 @@ void TexelRays::trace(const RayPacket& rays, std::uint64_t key, Landing (&landin
 }
 
 Landing TexelRays::follow(Ray ray, Hit hit, std::uint64_t key) const {
-  const Scene& scene = map_.atlas().scene;
   CounterRng random(key);
   Landing landing;
-  landing.is_plain = false;
-  bool is_straight = true;
-  for (int turn = 0; turn < most_turns; ++turn) {
-    const SurfacePoint p = tracer_.surface_point(ray, hit);
+  for (int turns = 0; turns < most_turns; ++turns) {
     const std::uint32_t triangle = map_.atlas().first_triangle[hit.object] + hit.primitive;
-    SurfaceMaterial m = surface_material(scene, p);
-    const Vec3d wo = -ray.direction;
-    const bool back = dot(wo, p.geometric_normal) < 0;
-    if (back && m.transmission > 0 && !m.thin_walled) {
-      const Material& glass = scene.materials[p.material];
-      landing.weight *= volume_transmittance(glass.attenuation_colour, glass.attenuation_distance, hit.t);
-    }
-    const bool emits = !is_black(m.emission) && !scene.materials[p.material].unlit;
-    const Rgb albedo = diffuse_albedo(m, p.geometric_normal);
-    const Shares shares = shares_of(m, albedo, emits);
-    double u = random.next();
-    const Vec2d u2{random.next(), random.next()};
-    const double u_lobe = random.next();
-    const auto chosen = [&](float share) { return share > 0 && (u -= share) < 0; };
-    if (chosen(shares.pass)) {
-      ray = leave(p, ray.direction);
-    } else if (is_special_[triangle] == 0 || chosen(shares.diffuse)) {
-      const std::uint32_t texel = texel_at(hit, triangle, back);
-      if (is_special_[triangle] != 0) landing.weight *= m.alpha / shares.diffuse;
+    const bool back = dot(ray.direction, map_.texels().normals_of[triangle]) > 0;
+    const std::uint32_t texel = texel_at(hit, triangle, back);
+    Turn turn{.fate = Turn::Fate::ends};
+    if (kinds_[triangle] == Kind::metal) turn = turn_at_metal(ray, hit, texel, random);
+    if (kinds_[triangle] == Kind::other) turn = turn_at_other(ray, hit, random);
+    landing.weight *= turn.weight;
+    if (turn.fate == Turn::Fate::ends) {
+      landing.is_plain = turns == 0 && turn.weight == Rgb(1.0F);
       if (texel != TexelMap::none) landing.side = 2 * texel + (back ? 1U : 0U);
       // Straight light does not go by mirrors.
-      if (!is_straight && lamps_.holds(triangle, back)) landing.extra = landing.weight * pi * m.emission;
-      return landing;
-    } else {
-      const Rgb below = Rgb(1 - max_component(m.mirror));
-      const Frame shading = frame_towards(m.shading, p.geometric_normal, wo);
-      const float alpha = m.alpha;
-      std::optional<BsdfSample> sample;
-      if (chosen(shares.mirror)) {
-        const Vec3d normal = back ? -shading.normal : shading.normal;
-        sample = BsdfSample{reflect(wo, normal), m.mirror * (alpha / shares.mirror), 0, true, false};
-      } else {
-        const bool metal = chosen(shares.metal);
-        const float share = metal ? m.metallic : (1 - m.metallic) * m.transmission;
-        const float chance = metal ? shares.metal : shares.glass;
-        if (!(chance > 0)) break;
-        m.metallic = metal ? 1.0F : 0.0F;
-        m.transmission = metal ? 0.0F : 1.0F;
-        m.mirror = Rgb(0);
-        sample = Bsdf(m, shading, p.geometric_normal).sample(wo, u_lobe, u2);
-        if (sample) sample->weight *= below * (share * alpha / chance);
+      if (turns > 0 && lamps_.holds(triangle, back)) {
+        landing.extra = landing.weight * pi * map_.atlas().scene.materials[map_.material(triangle)].emission;
       }
-      if (!sample || max_component(sample->weight) <= 0) break;
-      landing.weight *= sample->weight;
-      ray = leave(p, sample->direction);
+      return landing;
     }
-    is_straight = false;
-    if (max_component(landing.weight) < least_weight) break;
+    if (turn.fate == Turn::Fate::is_lost || max_component(landing.weight) < least_weight) break;
+    ray = turn.ray;
     const auto next = tracer_.nearest(ray);
     if (!next) {
+      landing.is_plain = false;
       landing.extra = landing.weight * sky(ray.direction);
       break;
     }
     hit = *next;
   }
-  landing.side = Landing::nowhere;
   return landing;
+}
+
+TexelRays::Turn TexelRays::turn_at_metal(const Ray& ray, const Hit& hit, std::uint32_t texel,
+                                         CounterRng& random) const {
+  const float ending = texel == TexelMap::none ? 1.0F : metals_.ending(texel);
+  if (ending == 1 || random.next() < static_cast<double>(ending)) return {Turn::Fate::ends, Rgb(1 / ending), {}};
+  const SurfacePoint p = tracer_.surface_point(ray, hit);
+  const SurfaceMaterial m = metals_.metal(texel, map_.atlas().scene.materials[p.material]);
+  const Frame shading = frame_towards(m.shading, p.geometric_normal, -ray.direction);
+  const Vec2d u{random.next(), random.next()};
+  const auto sample = Bsdf(m, shading, p.geometric_normal).sample(-ray.direction, random.next(), u);
+  if (!sample || max_component(sample->weight) <= 0) return {};
+  return {Turn::Fate::goes_on, sample->weight * (metals_.metallic(texel) / (1 - ending)), leave(p, sample->direction)};
+}
+
+TexelRays::Turn TexelRays::turn_at_other(const Ray& ray, const Hit& hit, CounterRng& random) const {
+  const Scene& scene = map_.atlas().scene;
+  const SurfacePoint p = tracer_.surface_point(ray, hit);
+  SurfaceMaterial m = surface_material(scene, p);
+  const Vec3d wo = -ray.direction;
+  const bool back = dot(wo, p.geometric_normal) < 0;
+  Rgb weight(1);
+  if (back && m.transmission > 0 && !m.thin_walled) {
+    const Material& glass = scene.materials[p.material];
+    weight = volume_transmittance(glass.attenuation_colour, glass.attenuation_distance, hit.t);
+  }
+  const Shares shares = shares_of(m, diffuse_albedo(m, p.geometric_normal), !is_black(m.emission));
+  double u = random.next();
+  const Vec2d u2{random.next(), random.next()};
+  const double u_lobe = random.next();
+  const auto chosen = [&](float share) { return share > 0 && (u -= static_cast<double>(share)) < 0; };
+  if (chosen(shares.pass)) return {Turn::Fate::goes_on, weight, leave(p, ray.direction)};
+  if (chosen(shares.diffuse)) return {Turn::Fate::ends, weight * (m.alpha / shares.diffuse), {}};
+  const Frame shading = frame_towards(m.shading, p.geometric_normal, wo);
+  if (chosen(shares.mirror)) {
+    const Vec3d out = reflect(wo, back ? -shading.normal : shading.normal);
+    return {Turn::Fate::goes_on, weight * m.mirror * (m.alpha / shares.mirror), leave(p, out)};
+  }
+  const bool metal = chosen(shares.metal);
+  const float share = metal ? m.metallic : (1 - m.metallic) * m.transmission;
+  const float chance = metal ? shares.metal : shares.glass;
+  if (!(chance > 0)) return {};
+  weight *= Rgb(1 - max_component(m.mirror)) * (share * m.alpha / chance);
+  m.metallic = metal ? 1.0F : 0.0F;
+  m.transmission = metal ? 0.0F : 1.0F;
+  m.mirror = Rgb(0);
+  const auto sample = Bsdf(m, shading, p.geometric_normal).sample(wo, u_lobe, u2);
+  if (!sample || max_component(sample->weight) <= 0) return {};
+  return {Turn::Fate::goes_on, weight * sample->weight, leave(p, sample->direction)};
 }
 
 }  // namespace penumbra

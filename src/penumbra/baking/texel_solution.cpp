@@ -29,7 +29,7 @@ TexelSolution::TexelSolution(const LightmapAtlas& atlas, const Texels& texels, c
                 {.front_sides_only = options.front_sides_only, .opaque_shadows = options.opaque_shadows}),
       order_(texels_in_blocks(map_)),
       points_(tracer_, map_, *space_, progress),
-      rays_(points_, straight_.lamps()) {
+      rays_(points_, *space_, straight_.lamps()) {
   direct_ = direct_light_of_texels(straight_, points_, *space_, map_, order_, progress);
   front_sides_only_ = options.front_sides_only;
   progress.tell("interreflection", 0);

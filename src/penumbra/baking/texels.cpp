@@ -148,19 +148,27 @@ class SurfacePoints {
     }
     return texels;
   }
+  /// Sets what all texels of a triangle share.
+  void fill_triangle(Texels& texels, std::uint32_t triangle) const {
+    const std::size_t object = instance_of(triangle);
+    const std::uint32_t local = triangle - atlas_.first_triangle[object];
+    texels.normals_of[triangle] = placed_[object].point(local, Vec2d(1.0 / 3)).geometric_normal;
+    texels.footprints_of[triangle] = footprint(object, local, corners(triangle));
+  }
   /// Sets the values of texel `i`, whose pixel and triangle are known.
   void fill(Texels& texels, std::size_t i) const {
     const std::uint32_t triangle = texels.triangles[i];
     const std::size_t object = instance_of(triangle);
-    const std::uint32_t local = triangle - atlas_.first_triangle[object];
-    const Corners t = corners(triangle);
     const auto width = static_cast<std::uint32_t>(atlas_.width);
     const Vec2d centre(texels.pixels[i] % width + 0.5, texels.pixels[i] / width + 0.5);
-    const SurfacePoint point = placed_[object].point(local, nearest_weights(t, centre));
+    const SurfacePoint point =
+        placed_[object].point(triangle - atlas_.first_triangle[object], nearest_weights(corners(triangle), centre));
     texels.positions[i] = point.position;
-    texels.normals[i] = point.geometric_normal;
-    texels.shading_normals[i] = point.shading_normal;
-    texels.footprints[i] = footprint(object, local, t);
+    if (!texels.interpolated.empty()) texels.interpolated[i] = Vec3f(point.shading_normal);
+  }
+  [[nodiscard]] bool has_normals() const {
+    return std::ranges::any_of(atlas_.scene.instances,
+                               [&](const Instance& i) { return !atlas_.scene.meshes[i.mesh].normals.empty(); });
   }
 
  private:
@@ -231,9 +239,12 @@ Texels make_texels(const LightmapAtlas& atlas) {
     band = {};
   }
   texels.positions.resize(count);
-  texels.normals.resize(count);
-  texels.shading_normals.resize(count);
-  texels.footprints.resize(count);
+  if (surface.has_normals()) texels.interpolated.resize(count);
+  texels.normals_of.resize(atlas.first_triangle.back());
+  texels.footprints_of.resize(atlas.first_triangle.back());
+  parallel_for(texels.normals_of.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for (std::size_t t = first; t < last; ++t) surface.fill_triangle(texels, static_cast<std::uint32_t>(t));
+  });
   parallel_for(count, 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) surface.fill(texels, i);
   });

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <string>
 #include <tuple>
 #include <vector>
 
 #include "penumbra/radiosity/meshing/shading_mesh.h"
 #include "penumbra/radiosity/meshing/sharp_irradiance.h"
+#include "penumbra/scene/object_label.h"
 
 namespace penumbra {
 namespace {
@@ -42,7 +42,7 @@ SharpIrradiance light_at_vertices(const PatchMesh& elements, std::span<const dou
 }  // namespace
 
 Scene vertex_coloured_scene(const PatchMesh& elements, std::span<const double> irradiance, double scale,
-                            std::span<const std::string> object_names, const LampIrradiance* lamps) {
+                            const Scene& scene, const LampIrradiance* lamps) {
   const SharpIrradiance lit = light_at_vertices(elements, irradiance, lamps);
   const ShadingMesh& shading = lit.mesh;
   const std::vector<double>& light = lit.at_vertices;
@@ -71,21 +71,27 @@ Scene vertex_coloured_scene(const PatchMesh& elements, std::span<const double> i
     object.mesh.triangles.push_back(corners);
   }
 
-  Scene scene;
+  Scene coloured;
+  coloured.extras = scene.extras;
   Material material;
   material.name = "baked";
   material.base_colour = Rgb(1.0F);
   material.unlit = true;
   material.double_sided = true;
-  scene.materials.push_back(material);
+  coloured.materials.push_back(material);
   for (auto& [number, object] : objects) {
-    object.mesh.name = object_names[number];
-    scene.meshes.push_back(std::move(object.mesh));
-    scene.instances.push_back({.name = object_names[number],
-                               .mesh = static_cast<std::uint32_t>(scene.meshes.size() - 1),
-                               .to_world = Mat4d(1.0)});
+    Instance instance{.name = object_label(scene, number),
+                      .mesh = static_cast<std::uint32_t>(coloured.meshes.size()),
+                      .to_world = Mat4d(1.0)};
+    object.mesh.name = instance.name;
+    if (number < scene.instances.size()) {
+      instance.extras = scene.instances[number].extras;
+      object.mesh.extras = scene.meshes[scene.instances[number].mesh].extras;
+    }
+    coloured.instances.push_back(std::move(instance));
+    coloured.meshes.push_back(std::move(object.mesh));
   }
-  return scene;
+  return coloured;
 }
 
 }  // namespace penumbra
