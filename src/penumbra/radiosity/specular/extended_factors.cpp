@@ -56,7 +56,7 @@ class Builder {
         elements_(elements),
         specular_(specular),
         options_(options),
-        paths_(scene, elements, specular, options.front_sides_only, options.seed) {
+        paths_(scene, elements, options.front_sides_only, options.seed) {
     find_sights(rows);
     choose_rays();
   }

@@ -126,11 +126,9 @@ class SpecularPaths::Walker final : public SpecularTree::Visitor {
   bool started_ = false;
 };
 
-SpecularPaths::SpecularPaths(const Scene& scene, const PatchMesh& elements, const SpecularElements& specular,
-                             bool front_sides_only, std::uint64_t seed)
+SpecularPaths::SpecularPaths(const Scene& scene, const PatchMesh& elements, bool front_sides_only, std::uint64_t seed)
     : scene_(scene),
       elements_(elements),
-      specular_(specular),
       tracer_(scene),
       tree_(tracer_, front_sides_only),
       patches_(elements),

@@ -39,8 +39,7 @@ struct SpecularLandings {
 class SpecularPaths {
  public:
   /// Everything must outlive this. @param front_sides_only backs of opaque surfaces are black.
-  SpecularPaths(const Scene& scene, const PatchMesh& elements, const SpecularElements& specular, bool front_sides_only,
-                std::uint64_t seed);
+  SpecularPaths(const Scene& scene, const PatchMesh& elements, bool front_sides_only, std::uint64_t seed);
 
   /// Light that an element exchanges with others by way of the specular elements that it sees: `rays` stratified rays
   /// go there, the recursion of Whitted goes on, and where it lands on an element its weight is noted. The shares of
@@ -62,7 +61,6 @@ class SpecularPaths {
 
   const Scene& scene_;
   const PatchMesh& elements_;
-  const SpecularElements& specular_;
   RayTracer tracer_;
   SpecularTree tree_;
   PatchTracer patches_;
