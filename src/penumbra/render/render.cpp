@@ -49,16 +49,8 @@ void refuse_media(const RayTracer& tracer, const char* integrator) {
                               " knows no fog, smoke or other media; render with whitted or path");
 }
 
-// Coefficients of media are red, green and blue.
-void refuse_media_for_wavelengths(const RayTracer& tracer) {
-  if (Media(tracer.scene()).none()) return;
-  throw std::invalid_argument(
-      "wavelengths are not followed through fog, smoke and other media; leave one of them away");
-}
-
 std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const CameraRays& camera,
                                             const RenderOptions& options) {
-  if (options.spectral) refuse_media_for_wavelengths(tracer);
   switch (options.integrator) {
     case IntegratorKind::appel:
       refuse_media(tracer, "appel");
