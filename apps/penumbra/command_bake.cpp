@@ -143,6 +143,7 @@ int bake_scene(const BakeArguments& arguments) {
   std::vector<std::string> warnings;
   const Scene scene = load_scene(arguments.scene, warnings);
   if (arguments.output.ends_with(".glb")) refuse_air(scene, arguments.output);
+  warn_of_dyes(scene, arguments.spectral, warnings);
   console.warn(warnings);
   require_room_for_faces(scene, arguments.scene.source);
   seconds.load = load_watch.seconds();

@@ -27,12 +27,6 @@ Vec3d facing(const Bsdf& bsdf, const Vec3d& wo) {
   return dot(n, wo) < 0 ? -n : n;
 }
 
-/// From here on the path of the first wavelength is no longer that of the others: it goes on for all three.
-void leave_hero_alone(Rgb& throughput) {
-  if (throughput.y == 0 && throughput.z == 0) return;
-  throughput = Rgb(3 * throughput.x, 0, 0);
-}
-
 /// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance
 /// sampling; Russian roulette ends paths without bias. Where all is matt and lamps are flat, paths are traced in waves
 /// (PathWaves).

@@ -19,15 +19,9 @@ namespace {
 
 constexpr std::size_t lanes = RayPacket::size;
 constexpr std::size_t most_samples_a_batch = 4096;  // the waves of so many stay in the second-level cache
-constexpr std::size_t octants = 8;
 
 // The random numbers of one bounce, in the order of path.cpp.
 enum Draw : int { which_lamp, point_on_lamp, lobe, direction, survival };
-
-// Rays of one octant take the boxes of the hierarchy in one order.
-std::size_t octant(const VectorLanes& direction, std::size_t i) {
-  return (direction.x[i] < 0 ? 1U : 0U) | (direction.y[i] < 0 ? 2U : 0U) | (direction.z[i] < 0 ? 4U : 0U);
-}
 
 // Materials that show something to wavelengths only.
 bool has_spectra(const Scene& scene) {
@@ -116,7 +110,7 @@ class PathWaves::Batch {
   std::vector<PixelSample> samples_;
   std::vector<Bands> bands_;  // of each sample, where they are wavelengths
   const Bands red_green_blue_{};
-  WaveQueue<Wave, octants> queue_;
+  WaveQueue<Wave> queue_;
   int depth_ = 0;
   int numbers_before_ = 0;  // drawn by each path before this bounce
   std::uint64_t bounces_ = 0;
@@ -305,7 +299,7 @@ void PathWaves::Batch::bounce(const Wave& wave, const Lit& lit) {
       if (luck[i] >= chance) continue;
       throughput /= chance;
     }
-    Wave& to = queue_.with_room(octant(scattered.direction, i));
+    Wave& to = queue_.with_room();
     put_ray(scattered, i, wave.rays.time[i], to.rays, to.used);
     const auto k = static_cast<std::size_t>(to.used++);
     to.r[k] = throughput.x, to.g[k] = throughput.y, to.b[k] = throughput.z;

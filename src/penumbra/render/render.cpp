@@ -33,8 +33,8 @@ void check(const RenderOptions& o) {
   require(o.noise == 0 || o.contrast == 0, "samples follow the noise or the contrast, not both");
   require(o.shadow_samples >= 0 && o.shadow_samples <= 1 << 16, "shadow rays to a lamp must be 0 to 65536");
   require(o.final_gather >= 0, "the rays that gather light must not be fewer than 0");
-  require(!o.spectral || o.integrator == IntegratorKind::path || o.integrator == IntegratorKind::whitted,
-          "wavelengths are followed by the integrators path and whitted only");
+  require(!o.spectral || o.integrator != IntegratorKind::appel,
+          "appel follows no light that has a wavelength of its own; render with path, whitted or light");
   require(o.time_limit >= 0, "the time limit must not be negative");
   if (o.region) {
     const Region& r = *o.region;
