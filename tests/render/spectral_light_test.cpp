@@ -27,6 +27,7 @@ RenderOptions particles(int width, int height, int samples) {
   options.width = width;
   options.height = height;
   options.samples_per_pixel = samples;
+  options.max_depth = 0;
   return options;
 }
 
