@@ -51,6 +51,15 @@ TEST(SpectralCommand, DyesAreWarnedOfWithoutWavelengths) {
   EXPECT_EQ(spectral.err.find("dye"), std::string::npos) << spectral.err;
 }
 
+TEST(SpectralCommand, ABakeOverBandsTellsThatMirrorsPassNoLight) {
+  const Workshop shop;
+  const auto told = [&](const char* scene) {
+    return penumbra({"bake", scene, "--spectral", "--elements", "60", "-o", shop.path("b.csv")}).err;
+  };
+  EXPECT_NE(told("builtin:cornell-spheres").find("mirrors and glass"), std::string::npos);
+  EXPECT_EQ(told("builtin:furnace").find("mirrors and glass"), std::string::npos);
+}
+
 TEST(SpectralCommand, ABakeOverBandsKeepsEnergyAndIsNoSolutionForPictures) {
   const Workshop shop;
   const Outcome baked = penumbra(
