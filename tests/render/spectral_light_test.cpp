@@ -150,7 +150,7 @@ TEST(SpectralLight, ColouredWallsAsByPath) {
   const RayTracer tracer(scene);
   const auto mean_of = [&](RenderOptions options) {
     Vec3d mean(0), squares(0);
-    constexpr int seeds = 12;
+    constexpr int seeds = 20;
     for (int seed = 0; seed < seeds; ++seed) {
       options.seed = static_cast<std::uint64_t>(seed);
       const Image picture = render(tracer, scene.cameras[0], options).image;
@@ -167,9 +167,9 @@ TEST(SpectralLight, ColouredWallsAsByPath) {
     seen.errors = Rgb(glm::sqrt(glm::max(Vec3d(0), squares - mean * mean) / double{seeds - 1}));
     return seen;
   };
-  RenderOptions by_path = spectral(path(16));
+  RenderOptions by_path = spectral(path(64));
   by_path.width = by_path.height = 12;
-  const Seen a = mean_of(particles(12, 12, 150)), b = mean_of(by_path);
+  const Seen a = mean_of(particles(12, 12, 100)), b = mean_of(by_path);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(a.radiance[k], b.radiance[k], 3 * std::hypot(a.errors[k], b.errors[k]) + 1e-4) << k;
     EXPECT_LT(a.errors[k], 0.05 * max_component(b.radiance)) << k;

@@ -123,7 +123,7 @@ PathWaves::PathWaves(const RayTracer& tracer, const CameraRays& camera, const Li
       lights_(lights),
       lamps_(std::move(lamps)),
       options_(options),
-      surfaces_(tracer.scene()) {}
+      surfaces_(tracer) {}
 
 PathWaves::~PathWaves() = default;
 
