@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "occlusion_bake.h"
 #include "penumbra/parallel/parallel_for.h"
 #include "penumbra/radiosity/pipeline/spectral_radiosity.h"
+#include "penumbra/radiosity/specular/specular_surfaces.h"
 #include "probe_bake.h"
 #include "report.h"
 #include "run_limits.h"
@@ -117,6 +119,16 @@ void say_result(const BakeArguments& arguments, const RadiositySetup& setup, con
                       setup.seconds.specular + seconds.solve + seconds.write));
 }
 
+// Light by way of mirrors and glass is followed in red, green and blue only.
+void warn_of_mirrors(const Scene& scene, std::vector<std::string>& warnings) {
+  const auto mirror = std::find_if(scene.materials.begin(), scene.materials.end(), is_specular);
+  if (mirror == scene.materials.end()) return;
+  warnings.push_back(fmt::format(
+      "with --spectral mirrors and glass, such as '{}', pass no light on; what they bring to other surfaces "
+      "is missing (bake without --spectral, or render by path, has it)",
+      mirror->name));
+}
+
 std::unique_ptr<RadiositySetup> set_up(const BakeArguments& arguments, const Scene& scene, const Progress& progress) {
   RadiositySetupOptions options =
       setup_options(arguments.radiosity, arguments.scene.front_sides_only, arguments.common.seed);
@@ -143,6 +155,8 @@ int bake_scene(const BakeArguments& arguments) {
   std::vector<std::string> warnings;
   const Scene scene = load_scene(arguments.scene, warnings);
   if (arguments.output.ends_with(".glb")) refuse_air(scene, arguments.output);
+  warn_of_dyes(scene, arguments.spectral, warnings);
+  if (arguments.spectral) warn_of_mirrors(scene, warnings);
   console.warn(warnings);
   require_room_for_faces(scene, arguments.scene.source);
   seconds.load = load_watch.seconds();

@@ -184,6 +184,7 @@ int render_picture(const RenderArguments& arguments) {
   console.progress("load", 0);
   std::vector<std::string> warnings;
   const Scene scene = load_scene(arguments.scene, warnings);
+  warn_of_dyes(scene, arguments.render.spectral, warnings);
   console.warn(warnings);
   seconds.load = load_watch.seconds();
 

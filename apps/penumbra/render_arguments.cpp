@@ -143,10 +143,11 @@ void add_method_options(OptionParser& parser, RenderArguments& arguments, Given&
       "path, two-pass and radiosity: leave out light that reaches rough surfaces from lights by way of mirrors and "
       "glass (default: it is there; path finds it with much noise)",
       given.no_caustics);
-  parser.flag("--spectral",
-              "path and whitted: samples carry wavelengths instead of red, green and blue, so that glass disperses and "
-              "dyes fluoresce (default: red, green and blue)",
-              options.spectral);
+  parser.flag(
+      "--spectral",
+      "path, whitted and light: samples carry wavelengths instead of red, green and blue, so that glass disperses and "
+      "dyes fluoresce (default: red, green and blue)",
+      options.spectral);
   parser.value(
       "--final-gather", "N",
       "two-pass: gather indirect light by N rays a sample, for crisp contact shadows (default: 0, interpolated "
@@ -211,7 +212,6 @@ void apply(const Given& given, const std::string& integrator, RenderOptions& opt
   if (appel && options.spectral) refuse("--spectral", "which follows no light that has a wavelength of its own");
   if (appel && given.max_depth) refuse("--max-depth", "which follows no reflection or refraction");
   if (appel && given.min_throughput) refuse("--min-throughput", "which follows no reflection or refraction");
-  if (light && options.spectral) refuse("--spectral", "whose particles are red, green and blue");
   if (light && given.min_throughput) refuse("--min-throughput", "whose particles die by chance after three bounces");
   if (light && options.noise > 0) refuse("--noise", "whose particles go where the light does");
   if (light && options.filter != FilterKind::box) refuse("--filter", "whose pixels count particles");

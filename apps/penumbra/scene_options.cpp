@@ -221,4 +221,17 @@ Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings
   return scene;
 }
 
+void warn_of_dyes(const Scene& scene, bool spectral, std::vector<std::string>& warnings) {
+  if (spectral) return;
+  const auto is_dye = [](const Material& m) { return m.fluorescence.has_value(); };
+  const auto dyes = std::count_if(scene.materials.begin(), scene.materials.end(), is_dye);
+  if (dyes == 0) return;
+  const Material& first = *std::find_if(scene.materials.begin(), scene.materials.end(), is_dye);
+  const std::string others = dyes > 1 ? fmt::format(" (and {} more)", dyes - 1) : std::string();
+  warnings.push_back(
+      fmt::format("the dye '{}'{} is shown by its base colour alone, for red, green and blue know no fluorescence; "
+                  "--spectral follows it (bake, and render by path or whitted)",
+                  first.name, others));
+}
+
 }  // namespace penumbra::cli

@@ -56,4 +56,7 @@ void check(const SceneOptions& options);
 /// (see `is_lit`) gets a white one, with a warning. Throws FileError, UsageError, std::invalid_argument.
 [[nodiscard]] Scene load_scene(const SceneOptions& options, std::vector<std::string>& warnings);
 
+/// Warns, once, of dyes that red, green and blue cannot show. @param spectral whether wavelengths are followed.
+void warn_of_dyes(const Scene& scene, bool spectral, std::vector<std::string>& warnings);
+
 }  // namespace penumbra::cli

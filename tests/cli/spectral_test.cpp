@@ -7,9 +7,9 @@
 namespace penumbra::test {
 namespace {
 
-TEST(SpectralCommand, PathAndWhittedDrawThePrism) {
+TEST(SpectralCommand, PathWhittedAndLightDrawThePrism) {
   const Workshop shop;
-  for (const char* integrator : {"path", "whitted"}) {
+  for (const char* integrator : {"path", "whitted", "light"}) {
     const Outcome drawn = penumbra({"render", "builtin:prism", "--integrator", integrator, "--spectral", "--spp", "2",
                                     "--size", "16x12", "-o", shop.path("p.png"), "--json"});
     ASSERT_EQ(drawn.code, 0) << drawn.err;
@@ -33,6 +33,31 @@ TEST(SpectralCommand, OtherMethodsRefuseItWithTheReason) {
     EXPECT_EQ(refused.code, 2);
     EXPECT_NE(refused.err.find("--spectral"), std::string::npos) << refused.err;
   }
+}
+
+// Dyes that red, green and blue cannot show are told of once; with wavelengths there is nothing to tell.
+TEST(SpectralCommand, DyesAreWarnedOfWithoutWavelengths) {
+  const Workshop shop;
+  std::vector<std::string> words{"render", "builtin:fluorescent", "--integrator", "path", "--spp", "1", "--size", "8x6",
+                                 "-o",     shop.path("d.png")};
+  const std::string told = penumbra(words).err;
+  const std::size_t at = told.find("green dye");
+  ASSERT_NE(at, std::string::npos) << told;
+  EXPECT_EQ(told.find("dye", told.find('\n', at)), std::string::npos) << told;
+  EXPECT_NE(told.find("--spectral"), std::string::npos) << told;
+  words.push_back("--spectral");
+  const Outcome spectral = penumbra(words);
+  EXPECT_EQ(spectral.code, 0);
+  EXPECT_EQ(spectral.err.find("dye"), std::string::npos) << spectral.err;
+}
+
+TEST(SpectralCommand, ABakeOverBandsTellsThatMirrorsPassNoLight) {
+  const Workshop shop;
+  const auto told = [&](const char* scene) {
+    return penumbra({"bake", scene, "--spectral", "--elements", "60", "-o", shop.path("b.csv")}).err;
+  };
+  EXPECT_NE(told("builtin:cornell-spheres").find("mirrors and glass"), std::string::npos);
+  EXPECT_EQ(told("builtin:furnace").find("mirrors and glass"), std::string::npos);
 }
 
 TEST(SpectralCommand, ABakeOverBandsKeepsEnergyAndIsNoSolutionForPictures) {

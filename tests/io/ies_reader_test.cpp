@@ -54,6 +54,26 @@ TEST(IesReader, FactorsMultiply) {
   EXPECT_EQ(parse_ies(text, "lamp.ies").candela, (std::vector<double>{90, 45}));
 }
 
+// A lamp that loses light as it is tilted: full upright, 0.9 at 45 degrees, 0.8 lying; linear between.
+TEST(IesReader, TiltedLuminairesLoseWhatTheirFactorsSay) {
+  const std::string text =
+      "IESNA91\nTILT=INCLUDE\n1\n3\n0 45 90\n1 0.9 0.8\n1 1000 1 2 1 1 2 0 0 0\n1 1 40\n0 90\n0\n683 683\n";
+  const PhotometricWeb web = parse_ies(text, "lamp.ies");
+  const auto strength = [&](double degrees) {
+    const double a = degrees * pi / 180;
+    Scene scene;
+    scene.lights = {{.name = "spot", .kind = SpotLight{.position = {}, .direction = {std::sin(a), -std::cos(a), 0}}}};
+    wear_web(scene, 0, web);
+    const auto& lamp = std::get<PointLight>(scene.lights[0].kind);
+    return luminance(lamp.intensity) * candela_towards(scene.webs[0], *lamp.web, lamp.web->nadir);
+  };
+  EXPECT_NEAR(strength(0), 1, 1e-6);
+  EXPECT_NEAR(strength(22.5), 0.95, 1e-6);
+  EXPECT_NEAR(strength(60), 0.9 - 0.1 / 3, 1e-6);
+  EXPECT_NEAR(strength(120), 0.8, 1e-6);
+  EXPECT_NE(message("TILT=INCLUDE\n1\n2\n0 90\n1 -1\n1 1 1 2 1 1 2 0 0 0\n").find("tilt factor"), std::string::npos);
+}
+
 // Files of 1986 begin with whatever was written down.
 TEST(IesReader, TheFirstEditionHasNoFirstLine) {
   const std::string text = "A street lantern\nmeasured in spring\nTILT=NONE\n1 1 1 2 1 1 1 0 0 0 1 1 70 0 180 0 7 8";

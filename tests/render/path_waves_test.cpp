@@ -82,6 +82,12 @@ TEST(PathWaves, TheCornellBoxIsThePictureOfSinglePaths) {
   expect_the_scalar_picture(make_builtin_scene("cornell-box"), testing::path(64));
 }
 
+TEST(PathWaves, WavelengthsTravelInWavesToo) {
+  RenderOptions options = testing::path(64);
+  options.spectral = true;
+  expect_the_scalar_picture(make_builtin_scene("cornell-box"), options);
+}
+
 TEST(PathWaves, SpheresPlanesAndLampsOfTwoBrightnessesToo) {
   Scene scene = make_builtin_scene("cornell-box");
   testing::add_shape(scene, Sphere{{0.3, 0.35, 0.3}, 0.1}, testing::matt({0.2F, 0.7F, 0.4F}));
@@ -98,11 +104,15 @@ TEST(PathWaves, ThreadedPicturesAreTheSameBits) {
   RenderOptions options = testing::path(6);
   options.width = 70;
   options.height = 45;
-  const ThreadLimit one(1);
-  const Image expected = render(tracer, scene.cameras[0], options).image;
-  for (const int threads : {2, 8}) {
-    const ThreadLimit limit(threads);
-    EXPECT_EQ(render(tracer, scene.cameras[0], options).image.data, expected.data);
+  for (const bool spectral : {false, true}) {
+    options.spectral = spectral;
+    std::vector<std::vector<float>> pictures;
+    for (const int threads : {1, 2, 8}) {
+      const ThreadLimit limit(threads);
+      pictures.push_back(render(tracer, scene.cameras[0], options).image.data);
+    }
+    EXPECT_EQ(pictures[0], pictures[1]);
+    EXPECT_EQ(pictures[0], pictures[2]);
   }
 }
 

@@ -50,6 +50,7 @@ struct Seen {
   double error = 0;  ///< standard error of it
   Rgb radiance{0};
   RayCounts rays;
+  Rgb errors{0};  ///< standard error of each band
 };
 
 /// What a single ray sees.
@@ -58,7 +59,8 @@ inline Seen look(const RayTracer& tracer, const Vec3d& eye, const Vec3d& directi
   options.aovs = {Aov::variance};
   const RenderResult result = render(tracer, probe_camera(eye, direction), options);
   const float* pixel = result.image.pixel(0, 0);
-  return {pixel[1], std::sqrt(static_cast<double>(pixel[4])), result.image.rgb(0, 0), result.rays};
+  const Rgb errors(std::sqrt(pixel[3]), std::sqrt(pixel[4]), std::sqrt(pixel[5]));
+  return {pixel[1], static_cast<double>(errors.y), result.image.rgb(0, 0), result.rays, errors};
 }
 
 inline RenderOptions whitted(int samples = 1) {

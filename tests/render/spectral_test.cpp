@@ -13,7 +13,7 @@
 #include "penumbra/scene/builtin_scenes.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/specular_tree.h"
-#include "render/probe.h"
+#include "render/spectral_truth.h"
 #include "test_paths.h"
 
 namespace penumbra {
@@ -24,11 +24,6 @@ using std::numbers::pi;
 constexpr double degree = pi / 180;
 
 nlohmann::json optics() { return nlohmann::json::parse(std::ifstream(PENUMBRA_TEST_DATA "/optics_spectrum.json")); }
-
-RenderOptions spectral(RenderOptions options) {
-  options.spectral = true;
-  return options;
-}
 
 /// A room from inside: a cube of two metres about the origin.
 Scene room(const Material& material) {
@@ -78,8 +73,7 @@ TEST(Spectral, LampsSkiesMirrorsAndGlassKeepTheirColours) {
 TEST(Spectral, AGreyFurnaceIsGrey) {
   const Scene scene = make_builtin_scene("furnace?rho=0.5&emission=1");
   const RayTracer tracer(scene);
-  const Rgb seen = look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(4096))).radiance;
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], 2, 0.02);
+  expect_colour(look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(4096))), Vec3d(2), 0.02);
 }
 
 TEST(Spectral, InterreflectionOfAColourDiffersFromRgb) {
@@ -88,16 +82,12 @@ TEST(Spectral, InterreflectionOfAColourDiffersFromRgb) {
   const Scene scene = room(red);
   const RayTracer tracer(scene);
   const Rgb rgb = look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, path(4096)).radiance;
-  const Rgb seen = look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(4096))).radiance;
-  EXPECT_GT(std::abs(seen.x - rgb.x) / rgb.x, 0.02F);
+  const Seen seen = look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(16384)));
+  EXPECT_GT(std::abs(seen.radiance.x - rgb.x) / rgb.x, 0.02F);
   // Truth: each wavelength by itself has radiance white / (1 - reflectance).
-  Vec3d truth(0);
-  for (int i = 0; i < 3000; ++i) {
-    const Bands b = Bands::sample((i + 0.5) / 3000);
-    const Rgb rho = b.reflectance(red.base_colour);
-    truth += Vec3d(b.to_rgb(b.emission(Rgb(1)) / (Rgb(1) - rho))) / 3000.0;
-  }
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], truth[k], 0.03 * truth.x) << k;
+  const Vec3d truth =
+      over_wavelengths([&](const Bands& b) { return b.emission(Rgb(1)) / (Rgb(1) - b.reflectance(red.base_colour)); });
+  expect_colour(seen, truth, 0.02);
 }
 
 TEST(Spectral, OtherIntegratorsRefuseIt) {
@@ -274,8 +264,7 @@ TEST(Fluorescence, TwoBandFurnaceByPath) {
   const Scene scene = room(dye(edges, {d(1, 1), d(1, 0), d(0, 1), d(0, 0)}, {table["E_uv_only"][1], 0}));
   const RayTracer tracer(scene);
   const Rgb truth = colour_of(edges, {0, table["B"][0].get<double>()});
-  const Rgb seen = look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(16384))).radiance;
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen[k] / max_component(truth), truth[k] / max_component(truth), 0.03F) << k;
+  expect_colour(look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(16384))), Vec3d(truth), 0.03);
 }
 
 TEST(Fluorescence, SixBandFurnaceByPath) {
@@ -288,8 +277,7 @@ TEST(Fluorescence, SixBandFurnaceByPath) {
   const Scene scene = room(dye(edges, matrix, table["E"].get<std::vector<double>>()));
   const RayTracer tracer(scene);
   const Rgb truth = colour_of(edges, table["B"].get<std::vector<double>>());
-  const Rgb seen = look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(16384))).radiance;
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen[k] / max_component(truth), truth[k] / max_component(truth), 0.03F) << k;
+  expect_colour(look(tracer, {-0.7, 0.3, 0.8}, {0.9, -0.5, -1}, spectral(path(16384))), Vec3d(truth), 0.03);
 }
 
 /// Under an ultraviolet lamp alone a dye shines by one bounce: what `path` sees up to it, `whitted` sees too.
@@ -307,8 +295,7 @@ TEST(Fluorescence, OneBounceByWhittedAndPath) {
   const RayTracer tracer(scene);
   // Irradiance pi L of the band; radiance D E / pi of the bands that it excites.
   const Rgb truth = colour_of(edges, {0, 0.2 * pi * 2, 0.4 * pi * 2});
-  const Rgb by_path = look(tracer, {0, 1, 0}, {0, -1, 0}, spectral(path(8192))).radiance;
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(by_path[k], truth[k], 0.03 * max_component(truth)) << k;
+  expect_colour(look(tracer, {0, 1, 0}, {0, -1, 0}, spectral(path(8192))), Vec3d(truth), 0.03);
 }
 
 /// Lit by a visible lamp, which whitted meets by shadow rays.
@@ -327,8 +314,7 @@ TEST(Fluorescence, WhittedSeesADyeUnderVioletLight) {
   const Rgb truth = colour_of(edges, {0.1 * irradiance, 0.2 * irradiance, 0.4 * irradiance});
   for (RenderOptions options : {spectral(whitted(4096)), spectral(path(8192))}) {
     options.max_depth = 1;
-    const Rgb seen = look(tracer, {0.3, 1, 0}, {-0.3, -1, 0}, options).radiance;
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], truth[k], 0.03 * max_component(truth)) << k;
+    expect_colour(look(tracer, {0.3, 1, 0}, {-0.3, -1, 0}, options), Vec3d(truth), 0.03);
   }
 }
 

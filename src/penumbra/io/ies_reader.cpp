@@ -50,8 +50,12 @@ class IesReader {
         cursor_.fail(in_quotes(line) + " names a file of tilt factors, which is not read; put TILT=NONE there");
       }
       (void)number("lamp-to-luminaire geometry");
-      const std::int64_t pairs = count("number of tilt angles");
-      for (std::int64_t i = 0; i < 2 * pairs; ++i) (void)number("tilt angle or factor");
+      const auto pairs = static_cast<std::size_t>(count("number of tilt angles"));
+      web_.tilt = angles(pairs, "tilt angle");
+      for (std::size_t i = 0; i < pairs; ++i) {
+        web_.tilt_factors.push_back(number("tilt factor"));
+        if (!(web_.tilt_factors[i] >= 0)) cursor_.fail("a tilt factor is less than 0");
+      }
       return;
     }
     cursor_.fail("has no line TILT=, so it is no photometric file of IES LM-63");
@@ -128,7 +132,12 @@ class IesReader {
       cursor_.fail("its horizontal angles from 90 to 270 must have 180 among them");
     }
     plane_of.emplace(360, plane_of.at(0));
-    PhotometricWeb whole{.name = web_.name, .vertical = web_.vertical, .horizontal = {}, .candela = {}};
+    PhotometricWeb whole{.name = web_.name,
+                         .vertical = web_.vertical,
+                         .horizontal = {},
+                         .candela = {},
+                         .tilt = web_.tilt,
+                         .tilt_factors = web_.tilt_factors};
     for (const auto& [angle, h] : plane_of) {
       whole.horizontal.push_back(angle);
       const auto row = web_.candela.begin() + static_cast<std::ptrdiff_t>(h * vertical_count_);

@@ -7,8 +7,8 @@
 
 namespace penumbra {
 
-/// Reads a luminaire's photometric file: IES LM-63-1986, -1991, -1995 or -2002, type C. TILT=NONE, or TILT=INCLUDE,
-/// whose factors are read and passed over (they are for luminaires that are tilted from how they were measured).
+/// Reads a luminaire's photometric file: IES LM-63-1986, -1991, -1995 or -2002, type C. TILT=NONE, or TILT=INCLUDE with
+/// factors for luminaires that are tilted from how they were measured.
 /// Candela values are multiplied by the file's candela multiplier and ballast factors; symmetric planes (horizontal
 /// angles that end at 0, 90, 180, or run from 90 to 270) stand for those that they mirror. Throws FileError with the
 /// line.

@@ -28,25 +28,53 @@ constexpr double second_begins = 486, third_begins = 579.9;
 /// three linear equations for the three speeds. White must lie between the three colours: it does for no other start.
 /// The density of wavelengths is 1 / (3 dl/dv). Cells get 0.5 % of it evenly, for light where white has none.
 struct Sensor {
+  /// A wavelength's colour, and the spectra of red, green, blue and white there; linear between whole nm.
+  struct Light {
+    Vec3d matching{0}, uplift{0};
+    double white = 0;
+  };
   std::vector<double> cdf = std::vector<double>(cells + 1, 0.0);
-  std::vector<Vec3d> matching = std::vector<Vec3d>(cells + 1);  // at whole nm
+  std::vector<Light> light = std::vector<Light>(cells + 1);  // at whole nm
+  std::array<int, 1024> first_cell{};                        // the cell that holds each 1024th of the cdf
 
   Sensor() {
-    for (int i = 0; i <= cells; ++i) matching[i] = rec709_matching(shortest_visible + i);
+    for (int i = 0; i <= cells; ++i) {
+      const double nm = shortest_visible + i;
+      light[i] = {rec709_matching(nm), uplift_basis(nm), white_radiance(nm)};
+    }
     move_three();
     constexpr double even_share = 0.005;
     for (int i = 0; i <= cells; ++i) cdf[i] = (1 - even_share) * cdf[i] + even_share * i / cells;
+    for (std::size_t k = 0; k < first_cell.size(); ++k) {
+      const auto above = std::upper_bound(cdf.begin(), cdf.end(), static_cast<double>(k) / first_cell.size());
+      first_cell[k] = std::clamp<int>(static_cast<int>(above - cdf.begin()) - 1, 0, cells - 1);
+    }
   }
 
-  [[nodiscard]] Vec3d matching_at(double wavelength) const {
-    const double at = wavelength - shortest_visible;
-    const int cell = std::clamp(static_cast<int>(at), 0, cells - 1);
-    return matching[cell] + (at - cell) * (matching[cell + 1] - matching[cell]);
+  /// The last cell that begins at or before the share `v` of all wavelengths, 0 <= v < 1.
+  [[nodiscard]] int cell_of(double v) const {
+    int cell = first_cell[static_cast<std::size_t>(v * first_cell.size())];
+    while (cell < cells - 1 && cdf[cell + 1] <= v) ++cell;
+    return cell;
+  }
+
+  [[nodiscard]] Light at(int cell, double part) const {
+    const Light &a = light[cell], &b = light[cell + 1];
+    return {a.matching + part * (b.matching - a.matching), a.uplift + part * (b.uplift - a.uplift),
+            a.white + part * (b.white - a.white)};
+  }
+  [[nodiscard]] Light at(double wavelength) const {
+    const double nm = wavelength - shortest_visible;
+    const int cell = std::clamp(static_cast<int>(nm), 0, cells - 1);
+    return at(cell, nm - cell);
   }
 
  private:
   [[nodiscard]] Vec3d speeds(const Vec3d& l) const {
-    const auto colour = [&](double nm) { return white_radiance(nm) * matching_at(nm); };
+    const auto colour = [&](double nm) {
+      const Light there = at(nm);
+      return there.white * there.matching;
+    };
     return glm::inverse(Mat3d(colour(l.x), colour(l.y), colour(l.z))) * Vec3d(1);
   }
 
@@ -94,30 +122,27 @@ Bands Bands::sample(double u) {
   for (int k = 0; k < 3; ++k) {
     double v = u + k / 3.0;
     v -= std::floor(v);
-    const auto above = std::upper_bound(eye.cdf.begin(), eye.cdf.end(), v);
-    const auto cell = std::clamp<int>(static_cast<int>(above - eye.cdf.begin()) - 1, 0, cells - 1);
+    const int cell = eye.cell_of(v);
     const double density = eye.cdf[cell + 1] - eye.cdf[cell];  // per nm
-    const double wavelength = shortest_visible + cell + std::min((v - eye.cdf[cell]) / density, 1.0);
-    bands.wavelengths_[k] = wavelength;
-    bands.sensor_[k] = Vec3f(eye.matching_at(wavelength) / (3 * density));
+    const double part = std::min((v - eye.cdf[cell]) / density, 1.0);
+    const Sensor::Light light = eye.at(cell, part);
+    bands.wavelengths_[k] = shortest_visible + cell + part;
+    bands.sensor_[k] = Vec3f(light.matching / (3 * density));
+    for (int colour = 0; colour < 3; ++colour) bands.uplift_[colour][k] = static_cast<float>(light.uplift[colour]);
+    bands.white_[k] = static_cast<float>(light.white);
   }
-  bands.look_up();
   return bands;
 }
 
 Bands Bands::shifted_to(const std::array<double, 3>& wavelengths) const {
   Bands shifted = *this;
   shifted.wavelengths_ = wavelengths;
-  shifted.look_up();
-  return shifted;
-}
-
-void Bands::look_up() {
   for (int k = 0; k < 3; ++k) {
-    const Vec3d basis = uplift_basis(wavelengths_[k]);
-    for (int colour = 0; colour < 3; ++colour) uplift_[colour][k] = static_cast<float>(basis[colour]);
-    white_[k] = static_cast<float>(white_radiance(wavelengths_[k]));
+    const Vec3d basis = uplift_basis(wavelengths[k]);
+    for (int colour = 0; colour < 3; ++colour) shifted.uplift_[colour][k] = static_cast<float>(basis[colour]);
+    shifted.white_[k] = static_cast<float>(white_radiance(wavelengths[k]));
   }
+  return shifted;
 }
 
 }  // namespace penumbra

@@ -41,8 +41,6 @@ class Bands {
   [[nodiscard]] Bands shifted_to(const std::array<double, 3>& wavelengths) const;
 
  private:
-  void look_up();
-
   bool spectral_ = false;
   std::array<double, 3> wavelengths_{};
   Mat3f uplift_{1};  // column: red, green, blue; row: wavelength

@@ -30,17 +30,17 @@ Airlight::Airlight(const LightSampler& lights, const Shadow& shadow) : lights_(&
 Rgb Airlight::transmittance(const Way& way, double t) const {
   Ray part = way.ray;
   part.t_max = t;
-  return shadow_->media().transmittance(way.around, part);
+  return shadow_->media().transmittance(way.around, part, way.bands);
 }
 
 // In proportion to the transmittance when it falls evenly.
 ExponentialDistances Airlight::by_transmittance(const Way& way, const Media::Interval& interval) const {
   const double length = interval.to - interval.from;
   if (!std::isfinite(length)) {
-    const Vec3d sigma(shadow_->media().extinction(way.around, way.ray.at(interval.from)));
+    const Vec3d sigma(shadow_->media().extinction(way.around, way.ray.at(interval.from), way.bands));
     return {(sigma.x + sigma.y + sigma.z) / 3, interval};
   }
-  const Vec3d depth = shadow_->media().optical_depth(way.around, way.ray);
+  const Vec3d depth = shadow_->media().optical_depth(way.around, way.ray, way.bands);
   return {(depth.x + depth.y + depth.z) / (3 * length), interval};
 }
 
@@ -84,18 +84,20 @@ Rgb Airlight::from_light(const Way& way, std::size_t light, double t, const Vec2
   if (!s) return Rgb(0);
   Rgb scattered(0);
   const double mu = dot(way.ray.direction, s->direction);
-  for (const Media::Lobe& lobe : shadow_->media().lobes(way.around, at.position)) {
+  for (const Media::Lobe& lobe : shadow_->media().lobes(way.around, at.position, way.bands)) {
     scattered += lobe.scattering * static_cast<float>(HenyeyGreenstein(lobe.asymmetry).value(mu));
   }
   if (is_black(scattered)) return Rgb(0);
-  return scattered * s->weight() * shadow_->transmittance(s->shadow_ray, way.interior);
+  return scattered * s->weight(way.bands) * shadow_->transmittance(s->shadow_ray, way.interior, way.bands);
 }
 
 Rgb Airlight::ambient(const Way& way, const ExponentialDistances& distances, PixelSampler& sampler) const {
   const double t = distances.sample(sampler.next_1d());
   Rgb scattering(0);
-  for (const Media::Lobe& lobe : shadow_->media().lobes(way.around, way.ray.at(t))) scattering += lobe.scattering;
-  return lights_->ambient() * scattering * transmittance(way, t) / static_cast<float>(distances.pdf(t));
+  for (const Media::Lobe& lobe : shadow_->media().lobes(way.around, way.ray.at(t), way.bands))
+    scattering += lobe.scattering;
+  return way.bands.emission(lights_->ambient()) * scattering * transmittance(way, t) /
+         static_cast<float>(distances.pdf(t));
 }
 
 std::optional<Airlight::Anchor> Airlight::choose_anchor(const Way& way, double u) const {
@@ -108,7 +110,7 @@ std::optional<Airlight::Anchor> Airlight::choose_anchor(const Way& way, double u
 
 // The density (1/m) with which a flight collides at t.
 double Airlight::flight_pdf(const Way& way, double t, const Rgb& throughput) const {
-  const Rgb collided = transmittance(way, t) * shadow_->media().extinction(way.around, way.ray.at(t));
+  const Rgb collided = transmittance(way, t) * shadow_->media().extinction(way.around, way.ray.at(t), way.bands);
   const float sum = throughput.x + throughput.y + throughput.z;
   return sum > 0 ? dot(throughput, collided) / sum : (collided.x + collided.y + collided.z) / 3;
 }
@@ -117,7 +119,7 @@ Rgb Airlight::by_angles(const Way& way, const Anchor& anchor, const Rgb& through
                         RayCounts& rays) const {
   const double t = anchor.distances.sample(sampler.next_1d());
   const double either = anchor.distances.pdf(t) + flight_pdf(way, t, throughput);
-  const Media::Lobes lobes = shadow_->media().lobes(way.around, way.ray.at(t));
+  const Media::Lobes lobes = shadow_->media().lobes(way.around, way.ray.at(t), way.bands);
   const Rgb light = from_chosen_light(way, lobes, t, depth, sampler, rays);
   return either > 0 ? light * transmittance(way, t) / static_cast<float>(either) : Rgb(0);
 }
@@ -149,7 +151,7 @@ Rgb Airlight::from_chosen_light(const Way& way, const Media::Lobes& lobes, doubl
   }
   if (is_black(scattered)) return Rgb(0);
   count(rays, RayPurpose::shadow, depth);
-  return scattered * s->weight() * shadow_->transmittance(s->shadow_ray, way.interior);
+  return scattered * s->weight(way.bands) * shadow_->transmittance(s->shadow_ray, way.interior, way.bands);
 }
 
 }  // namespace penumbra

@@ -27,6 +27,7 @@ class Airlight {
     Ray ray;  ///< t_max is its length, m; infinite when it leaves the scene
     Surroundings around;
     Interior interior;
+    Bands bands{};  ///< of the light that is followed
   };
 
   /// Radiance by one scattering from every light, a few shadow rays to each, and ambient light once scattered.

@@ -12,6 +12,7 @@
 #include "penumbra/render/eye_projection.h"
 #include "penumbra/render/pixel_sampler.h"
 #include "penumbra/render/ray_tally.h"
+#include "penumbra/render/spectral_sample.h"
 #include "penumbra/tracing/shading/bsdf.h"
 #include "penumbra/tracing/shading/interior.h"
 #include "penumbra/tracing/shading/light_emission.h"
@@ -32,7 +33,7 @@ constexpr std::uint64_t own_numbers = 0x6c69676874;  // a key apart from those o
 /// Light that arrives at a pixel.
 struct Mark {
   std::uint32_t pixel;
-  Rgb radiance;  // times the number of particles
+  Rgb radiance;  // linear Rec. 709, times the number of particles
 };
 
 /// What a batch of particles brought.
@@ -66,7 +67,8 @@ class LightTracer {
   struct Walk {
     Ray ray;
     Vec3d start{0};  // the point that the ray leaves; it starts a rounding error beside it
-    Rgb power{0};    // W
+    Bands bands;     // what the components of its power stand for
+    Rgb power{0};    // W, of wavelengths W/nm
     float first_power = 0;
     int depth = 0;  // surfaces met so far
     double range = 0;
@@ -78,9 +80,9 @@ class LightTracer {
   void follow(PixelSampler& sampler, Batch& out) const;
   void walk_on(Walk& walk, PixelSampler& sampler, Batch& out) const;
   [[nodiscard]] bool meets_eye(const Ray& ray, double distance) const;
-  void show_lamp(const LightEmission::Origin& origin, Batch& out) const;
+  void show_lamp(const LightEmission::Origin& origin, const Bands& bands, Batch& out) const;
   [[nodiscard]] bool show_surface(const Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, Batch& out) const;
-  bool show(const Rgb& intensity, const Vec3d& to_eye, const Ray& way, int depth, double importance_scale,
+  bool show(const Rgb& intensity, const Bands& bands, const Vec3d& to_eye, const Ray& way, int depth, double geometry,
             Batch& out) const;
   [[nodiscard]] bool bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf, PixelSampler& sampler,
                             Batch& out) const;
@@ -96,17 +98,18 @@ class LightTracer {
 
 void LightTracer::follow(PixelSampler& sampler, Batch& out) const {
   ++out.fates.shot;
+  Walk walk;
+  walk.bands = sample_bands(options_.spectral, sampler);
   const double u_light = sampler.next_1d();
   const auto origin = emission_.sample_origin(u_light, sampler.next_2d());
   if (!origin) return;
-  Walk walk;
-  show_lamp(*origin, out);
+  show_lamp(*origin, walk.bands, out);
   const double u_side = sampler.next_1d();
   const LightEmission::Particle particle = emission_.sample_direction(*origin, u_side, sampler.next_2d());
   walk.ray = particle.ray;
   walk.start = particle.ray.origin;
-  walk.power = particle.power;
-  walk.first_power = max_component(particle.power);
+  walk.power = walk.bands.emission(particle.power);
+  walk.first_power = max_component(walk.power);
   walk.range = particle.range;
   if (!is_black(walk.power)) walk_on(walk, sampler, out);
   out.fates.met_eye += walk.met_eye ? 1 : 0;
@@ -125,17 +128,18 @@ void LightTracer::walk_on(Walk& walk, PixelSampler& sampler, Batch& out) const {
     const Vec3d back = -walk.ray.direction;
     const bool front = dot(point.geometric_normal, back) > 0;
     const double travelled = length(point.position - walk.start);
-    walk.power *= walk.interior.transmittance(scene, point, front, travelled);
+    walk.power *= walk.interior.transmittance(scene, point, front, travelled, walk.bands);
     if (walk.range > 0) walk.power *= static_cast<float>(range_window(travelled, walk.range));
     if (options_.front_sides_only && !front && scene.materials[point.material].transmission == 0) return;
 
-    const SurfaceMaterial surface = surface_material(scene, point);
+    const SurfaceMaterial surface = surface_material(scene, point, walk.bands);
     if (surface.alpha < 1 && sampler.next_1d() >= surface.alpha) {
       count(out.rays, RayPurpose::refraction, walk.depth);
       walk.start = point.position;
       walk.ray = leave(point, walk.ray.direction);
       continue;
     }
+    if (walk.bands.spectral() && disperses(scene.materials[point.material])) leave_hero_alone(walk.power);
     walk.range = 0;
     ++walk.depth;
     const Bsdf bsdf(surface, frame_towards(surface.shading, point.geometric_normal, back), point.geometric_normal);
@@ -155,12 +159,12 @@ bool LightTracer::meets_eye(const Ray& ray, double distance) const {
 }
 
 // The lamp itself, as the eye sees it.
-void LightTracer::show_lamp(const LightEmission::Origin& origin, Batch& out) const {
-  const auto weight = static_cast<float>(origin.inverse_chance);
+void LightTracer::show_lamp(const LightEmission::Origin& origin, const Bands& bands, Batch& out) const {
+  const Rgb light = static_cast<float>(origin.inverse_chance) * bands.emission(origin.radiance);
   if (!origin.point) {
     if (is_black(origin.radiance)) return;
     const Ray way{.origin = eye_.eye(), .direction = origin.direction};
-    show(weight * origin.radiance, -origin.direction, way, 0, 1, out);
+    show(light, bands, -origin.direction, way, 0, 1, out);
     return;
   }
   const SurfacePoint& point = *origin.point;
@@ -170,7 +174,7 @@ void LightTracer::show_lamp(const LightEmission::Origin& origin, Batch& out) con
   const Vec3d to_eye = way / distance;
   const double cosine = dot(point.geometric_normal, to_eye);
   if (!emits_towards(tracer_.scene().materials[point.material], point.geometric_normal, to_eye)) return;
-  show(weight * origin.radiance, to_eye, segment(point, eye_.eye()), 0, std::abs(cosine) / (distance * distance), out);
+  show(light, bands, to_eye, segment(point, eye_.eye()), 0, std::abs(cosine) / (distance * distance), out);
 }
 
 // What a surface sends to the eye of a particle's light. Interpolated normals weigh light by their own cosine where it
@@ -185,22 +189,22 @@ bool LightTracer::show_surface(const Walk& walk, const SurfacePoint& point, cons
   if (is_black(f)) return false;
   const double in = std::abs(dot(back, bsdf.shading_normal())) / std::abs(dot(back, point.geometric_normal));
   const double out_cosine = std::abs(dot(to_eye, point.geometric_normal));
-  return show(f * walk.power, to_eye, segment(point, eye_.eye()), walk.depth, in * out_cosine / (distance * distance),
-              out);
+  return show(f * walk.power, walk.bands, to_eye, segment(point, eye_.eye()), walk.depth,
+              in * out_cosine / (distance * distance), out);
 }
 
 /// Marks the pixel where the eye sees what comes along `to_eye`, unless something stands in the way.
-bool LightTracer::show(const Rgb& intensity, const Vec3d& to_eye, const Ray& way, int depth, double geometry,
-                       Batch& out) const {
+bool LightTracer::show(const Rgb& intensity, const Bands& bands, const Vec3d& to_eye, const Ray& way, int depth,
+                       double geometry, Batch& out) const {
   const auto place = eye_.place(-to_eye);
   if (!place) return false;
   if (place->x < region_.x0 || place->x >= region_.x1 || place->y < region_.y0 || place->y >= region_.y1) return false;
   count(out.rays, RayPurpose::shadow, depth);
-  const Rgb passed = shadow_.transmittance(way);
+  const Rgb passed = shadow_.transmittance(way, {}, bands);
   if (is_black(passed)) return false;
   const auto pixel = static_cast<std::uint32_t>(place->y) * static_cast<std::uint32_t>(options_.width) +
                      static_cast<std::uint32_t>(place->x);
-  out.marks.push_back({pixel, intensity * passed * static_cast<float>(geometry * place->importance)});
+  out.marks.push_back({pixel, bands.to_rgb(intensity * passed) * static_cast<float>(geometry * place->importance)});
   return true;
 }
 
@@ -230,6 +234,16 @@ bool LightTracer::bounce(Walk& walk, const SurfacePoint& point, const Bsdf& bsdf
                          : RayPurpose::reflection,
         walk.depth);
   return true;
+}
+
+// Particles are drawn by the colours of their lamps, and dyes would send them on at other wavelengths.
+void refuse_spectra(const Scene& scene) {
+  for (const Material& m : scene.materials) {
+    if (!m.fluorescence && !m.emission_spectrum) continue;
+    throw std::invalid_argument(
+        "'" + m.name + "' is " + (m.fluorescence ? "a dye" : "a lamp with a spectrum") +
+        ", which particles from the lights do not know; trace wavelengths from the eye, by path");
+  }
 }
 
 /// Sums of marks, pixel by pixel.
@@ -269,6 +283,7 @@ RenderResult trace_light(const RayTracer& tracer, const Camera& camera, const Re
     throw std::invalid_argument(
         "fog and other media are not followed from the lights; leave them away, or trace from the eye");
   }
+  if (options.spectral) refuse_spectra(tracer.scene());
   const LightTracer light(tracer, camera, options);
   const auto pixels = static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
   const std::uint64_t all = pixels * static_cast<std::uint64_t>(options.samples_per_pixel);

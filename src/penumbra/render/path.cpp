@@ -27,12 +27,6 @@ Vec3d facing(const Bsdf& bsdf, const Vec3d& wo) {
   return dot(n, wo) < 0 ? -n : n;
 }
 
-/// From here on the path of the first wavelength is no longer that of the others: it goes on for all three.
-void leave_hero_alone(Rgb& throughput) {
-  if (throughput.y == 0 && throughput.z == 0) return;
-  throughput = Rgb(3 * throughput.x, 0, 0);
-}
-
 /// Path tracing (Kajiya 1986): the reference. Each bounce samples a light and the BSDF, joined by multiple importance
 /// sampling; Russian roulette ends paths without bias. Where all is matt and lamps are flat, paths are traced in waves
 /// (PathWaves).
@@ -50,8 +44,9 @@ class Path final : public RayIntegrator {
         front_sides_only_(options.front_sides_only),
         spectral_(options.spectral),
         camera_(camera) {
-    if (!front_sides_only_ && !spectral_) {
-      waves_ = PathWaves::make(tracer, camera_, lights_, {.max_depth = max_depth_, .seed = options.seed});
+    if (!front_sides_only_) {
+      waves_ = PathWaves::make(tracer, camera_, lights_,
+                               {.max_depth = max_depth_, .spectral = spectral_, .seed = options.seed});
     }
   }
 
@@ -270,13 +265,13 @@ bool Path::goes_on(Walk& walk, PixelSampler& sampler) {
 bool Path::scatters_before(const std::optional<Hit>& hit, Walk& walk, PixelEstimate& seen, PixelSampler& sampler,
                            RayCounts& rays) const {
   const Media& media = shadow_.media();
-  Airlight::Way way{walk.ray, walk.interior.innermost(), walk.interior};
+  Airlight::Way way{walk.ray, walk.interior.innermost(), walk.interior, walk.bands};
   if (hit) {
     const SurfacePoint point = tracer_.surface_point(walk.ray, *hit);
     way.around = walk.interior.around(tracer_.scene(), point, dot(point.geometric_normal, walk.ray.direction) < 0);
     way.ray.t_max = hit->t;
     if (walk.depth == 0) {  // what the layers hold is what stands behind the fog
-      const SurfaceMaterial surface = surface_material(tracer_.scene(), point);
+      const SurfaceMaterial surface = surface_material(tracer_.scene(), point, walk.bands);
       const Frame frame = frame_towards(surface.shading, point.geometric_normal, -walk.ray.direction);
       note_surface(seen, walk.ray, point, surface, Bsdf(surface, frame, point.geometric_normal), seen.direct);
     }
@@ -284,7 +279,7 @@ bool Path::scatters_before(const std::optional<Hit>& hit, Walk& walk, PixelEstim
   if (way.around) walk.interior.note_inside(*way.around);
   way.interior = walk.interior;
   if (!media.scattering_interval(way.around, way.ray)) {
-    walk.throughput *= media.transmittance(way.around, way.ray);
+    walk.throughput *= media.transmittance(way.around, way.ray, walk.bands);
     return false;
   }
   const bool is_last = max_depth_ > 0 && walk.depth >= max_depth_;
@@ -294,7 +289,7 @@ bool Path::scatters_before(const std::optional<Hit>& hit, Walk& walk, PixelEstim
   if (anchor) light += walk.throughput * airlight_.by_angles(way, *anchor, walk.throughput, walk.depth, sampler, rays);
 
   CounterRng steps(std::bit_cast<std::uint64_t>(sampler.next_1d()));
-  const Media::Flight flight = media.fly(way.around, way.ray, walk.throughput, sampler.next_2d(), steps);
+  const Media::Flight flight = media.fly(way.around, way.ray, walk.throughput, sampler.next_2d(), steps, walk.bands);
   if (flight.collided && !is_last) {
     const Rgb arriving = walk.throughput * flight.weight;
     light += arriving * airlight_.at_collision(way, flight, anchor, walk.throughput, walk.depth, sampler, rays);

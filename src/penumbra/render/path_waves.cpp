@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -11,6 +10,8 @@
 #include "penumbra/render/path_survival.h"
 #include "penumbra/render/ray_tally.h"
 #include "penumbra/render/sobol_lanes.h"
+#include "penumbra/render/spectral_sample.h"
+#include "penumbra/render/wave_queue.h"
 #include "penumbra/tracing/shading/media.h"
 
 namespace penumbra {
@@ -21,6 +22,12 @@ constexpr std::size_t most_samples_a_batch = 4096;  // the waves of so many stay
 
 // The random numbers of one bounce, in the order of path.cpp.
 enum Draw : int { which_lamp, point_on_lamp, lobe, direction, survival };
+
+// Materials that show something to wavelengths only.
+bool has_spectra(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return m.fluorescence || m.emission_spectrum; });
+}
 
 // All triangles of all lamps as one lamp, chosen among by power.
 std::optional<PacketLight> all_lamps(const std::vector<PacketLight>& lights) {
@@ -82,8 +89,8 @@ class PathWaves::Batch {
 
   void start(const PixelBlock& block);
   void trace();
-  void add_to(Film& film) const { add_samples(samples_, film); }
-  void clear() { samples_.clear(); }
+  void add_to(Film& film);
+  void clear() { samples_.clear(), bands_.clear(); }
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
 
  private:
@@ -93,13 +100,17 @@ class PathWaves::Batch {
   void light(const Wave& wave, Lit& lit);
   void bounce(const Wave& wave, const Lit& lit);
   [[nodiscard]] static KeyLanes keys(const Lit& lit, Draw draw);
-  Wave& open_wave();
+  void shine_on(const Wave& wave, std::size_t i, const Rgb& light) { samples_[wave.sample[i]].radiance += light; }
+  [[nodiscard]] const Bands& bands(const Wave& wave, std::size_t i) const {
+    return bands_.empty() ? red_green_blue_ : bands_[wave.sample[i]];
+  }
 
   const PathWaves& owner_;
   RayCounts& rays_;
   std::vector<PixelSample> samples_;
-  std::vector<Wave> now_, next_;
-  std::size_t next_count_ = 0;
+  std::vector<Bands> bands_;  // of each sample, where they are wavelengths
+  const Bands red_green_blue_{};
+  WaveQueue<Wave> queue_;
   int depth_ = 0;
   int numbers_before_ = 0;  // drawn by each path before this bounce
   std::uint64_t bounces_ = 0;
@@ -112,7 +123,7 @@ PathWaves::PathWaves(const RayTracer& tracer, const CameraRays& camera, const Li
       lights_(lights),
       lamps_(std::move(lamps)),
       options_(options),
-      surfaces_(tracer.scene()) {}
+      surfaces_(tracer) {}
 
 PathWaves::~PathWaves() = default;
 
@@ -121,6 +132,7 @@ std::unique_ptr<PathWaves> PathWaves::make(const RayTracer& tracer, const Camera
   if (!camera.is_pinhole() || !Media(tracer.scene()).none() || !PacketSurfaces(tracer.scene()).all_matt()) {
     return nullptr;
   }
+  if (options.spectral && has_spectra(tracer.scene())) return nullptr;
   const auto packet_lights = penumbra::packet_lights(tracer.scene(), lights, false);
   if (!packet_lights) return nullptr;
   auto lamps = all_lamps(*packet_lights);
@@ -141,31 +153,29 @@ void PathWaves::render(std::span<const PixelBlock> blocks, Film& film, RayCounts
 
 void PathWaves::Batch::start(const PixelBlock& block) {
   for (int number = block.first_sample; number < block.last_sample; ++number) {
-    Wave& wave = open_wave();
+    Wave& wave = queue_.add();
     const std::size_t first = samples_.size();
     wave.used = owner_.camera_.aim(block, number, wave.rays, samples_);
     wave.r.fill(1), wave.g.fill(1), wave.b.fill(1), wave.density.fill(0);
     for (std::size_t i = 0; i < lanes; ++i) wave.sample[i] = static_cast<std::uint32_t>(first + i);
+    for (std::size_t i = first; owner_.options_.spectral && i < samples_.size(); ++i) {
+      PixelSampler random = owner_.camera_.sampler(samples_[i]);
+      bands_.push_back(sample_bands(true, random));
+    }
   }
 }
 
-PathWaves::Wave& PathWaves::Batch::open_wave() {
-  if (next_count_ == next_.size()) next_.emplace_back();
-  Wave& wave = next_[next_count_++];
-  wave.used = 0;
-  return wave;
+void PathWaves::Batch::add_to(Film& film) {
+  for (std::size_t i = 0; i < bands_.size(); ++i) samples_[i].radiance = bands_[i].to_rgb(samples_[i].radiance);
+  add_samples(samples_, film);
 }
 
 void PathWaves::Batch::trace() {
   count(rays_, RayPurpose::primary, 0, samples_.size());
-  numbers_before_ = 0;
-  for (depth_ = 0; next_count_ > 0; ++depth_) {
-    std::swap(now_, next_);
-    const std::size_t waves = std::exchange(next_count_, 0);
-    for (std::size_t i = 0; i < waves; ++i) {
-      for (auto lane = static_cast<std::size_t>(now_[i].used); lane < lanes; ++lane) now_[i].rays.active[lane] = 0;
-      meet(now_[i]);
-    }
+  numbers_before_ = owner_.options_.spectral ? 1 : 0;
+  depth_ = 0;
+  for (std::span<Wave> waves = queue_.advance(); !waves.empty(); waves = queue_.advance(), ++depth_) {
+    for (Wave& wave : waves) meet(wave);
     count(rays_, RayPurpose::diffuse, depth_ + 1, std::exchange(bounces_, 0));
     numbers_before_ += depth_ + 1 > sure_bounces ? survival + 1 : survival;
   }
@@ -189,7 +199,7 @@ void PathWaves::Batch::classify(const Wave& wave, Lit& lit) {
     if (lit.hits.object[i] == HitPacket::no_hit) {
       if (depth_ > 0) continue;
       const Vec3d direction(wave.rays.direction_x[i], wave.rays.direction_y[i], wave.rays.direction_z[i]);
-      samples_[wave.sample[i]].radiance += owner_.lights_.environment().radiance(direction);
+      shine_on(wave, i, bands(wave, i).emission(owner_.lights_.environment().radiance(direction)));
       continue;
     }
     lit.material[i] = owner_.surfaces_.gather(lit.hits, static_cast<int>(i), lit.triangles, lit.shapes);
@@ -206,7 +216,7 @@ void PathWaves::Batch::classify(const Wave& wave, Lit& lit) {
     if (lit.material[i] == nullptr) continue;
     if (!is_black(lit.material[i]->emission)) shine(wave, i, lit);
     if (lit.points.facing[i] <= 0) turn_towards_eye(wave.rays, i, lit.points);
-    lit.reflectance[i] = lit.material[i]->reflectance[0];
+    lit.reflectance[i] = bands(wave, i).reflectance(lit.material[i]->reflectance[0]);
     lit.lit[i] = is_black(lit.reflectance[i]) ? 0 : -1;
     const PixelSampler random = owner_.camera_.sampler(samples_[wave.sample[i]]);
     lit.index[i] = random.index();
@@ -231,7 +241,7 @@ void PathWaves::Batch::shine(const Wave& wave, std::size_t i, const Lit& lit) {
     const float ratio = t * t * brighter / (std::max(cosine, 1e-9F) * lamp.inverse_density * wave.density[i]);
     share = 1 / (1 + ratio * ratio);
   }
-  samples_[wave.sample[i]].radiance += share * wave.throughput(i) * m.emission;
+  shine_on(wave, i, share * wave.throughput(i) * bands(wave, i).emission(m.emission));
 }
 
 KeyLanes PathWaves::Batch::keys(const Lit& lit, Draw draw) {
@@ -268,8 +278,8 @@ void PathWaves::Batch::light(const Wave& wave, Lit& lit) {
   owner_.tracer_.occluded(lit.shadow, false);
   for (std::size_t i = 0; i < lanes; ++i) {
     if (lit.shadow.active[i] == 0) continue;
-    samples_[wave.sample[i]].radiance +=
-        wave.throughput(i) * lit.reflectance[i] * radiance[i] * (lit.geometry[i] * std::numbers::inv_pi_v<float>);
+    const Rgb arriving = bands(wave, i).emission(radiance[i]) * (lit.geometry[i] * std::numbers::inv_pi_v<float>);
+    shine_on(wave, i, wave.throughput(i) * lit.reflectance[i] * arriving);
   }
 }
 
@@ -289,19 +299,9 @@ void PathWaves::Batch::bounce(const Wave& wave, const Lit& lit) {
       if (luck[i] >= chance) continue;
       throughput /= chance;
     }
-    if (next_count_ == 0 || next_[next_count_ - 1].used == static_cast<int>(lanes)) open_wave();
-    Wave& to = next_[next_count_ - 1];
+    Wave& to = queue_.with_room();
+    put_ray(scattered, i, wave.rays.time[i], to.rays, to.used);
     const auto k = static_cast<std::size_t>(to.used++);
-    to.rays.origin_x[k] = scattered.origin.x[i];
-    to.rays.origin_y[k] = scattered.origin.y[i];
-    to.rays.origin_z[k] = scattered.origin.z[i];
-    to.rays.direction_x[k] = scattered.direction.x[i];
-    to.rays.direction_y[k] = scattered.direction.y[i];
-    to.rays.direction_z[k] = scattered.direction.z[i];
-    to.rays.t_min[k] = 0;
-    to.rays.time[k] = wave.rays.time[i];
-    to.rays.t_max[k] = std::numeric_limits<float>::infinity();
-    to.rays.active[k] = -1;
     to.r[k] = throughput.x, to.g[k] = throughput.y, to.b[k] = throughput.z;
     to.density[k] = density[i];
     to.sample[k] = wave.sample[i];

@@ -13,16 +13,19 @@ namespace penumbra {
 /// Path tracing bounce by bounce, sixteen paths at a time, in scenes of matt surfaces and flat lamps: all paths of a
 /// tile meet their surfaces, send their shadow rays, bounce, and those that live on close ranks for the next bounce.
 ///
-/// The same estimator as `path` everywhere else, with the same random numbers; only the lamps' points are chosen
-/// otherwise: by power over all lamps, since every lane has to have the same density.
+/// The same estimator as `path` everywhere else, with the same random numbers, in red, green and blue or in
+/// wavelengths; only the lamps' points are chosen otherwise: by power over all lamps, since every lane has to have the
+/// same density.
 class PathWaves {
  public:
   struct Options {
-    int max_depth = 0;  ///< bounces; 0: no limit
+    int max_depth = 0;      ///< bounces; 0: no limit
+    bool spectral = false;  ///< each sample carries three wavelengths of its own
     std::uint64_t seed = 0;
   };
 
-  /// None when the scene or the camera is of another kind. All but `options` must outlive it.
+  /// None when the scene or the camera is of another kind, or spectral light meets dyes or lamps of other spectra. All
+  /// but `options` must outlive it.
   [[nodiscard]] static std::unique_ptr<PathWaves> make(const RayTracer& tracer, const CameraRays& camera,
                                                        const LightSampler& lights, const Options& options);
   ~PathWaves();

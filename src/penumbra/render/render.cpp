@@ -33,8 +33,8 @@ void check(const RenderOptions& o) {
   require(o.noise == 0 || o.contrast == 0, "samples follow the noise or the contrast, not both");
   require(o.shadow_samples >= 0 && o.shadow_samples <= 1 << 16, "shadow rays to a lamp must be 0 to 65536");
   require(o.final_gather >= 0, "the rays that gather light must not be fewer than 0");
-  require(!o.spectral || o.integrator == IntegratorKind::path || o.integrator == IntegratorKind::whitted,
-          "wavelengths are followed by the integrators path and whitted only");
+  require(!o.spectral || o.integrator != IntegratorKind::appel,
+          "appel follows no light that has a wavelength of its own; render with path, whitted or light");
   require(o.time_limit >= 0, "the time limit must not be negative");
   if (o.region) {
     const Region& r = *o.region;
@@ -49,16 +49,8 @@ void refuse_media(const RayTracer& tracer, const char* integrator) {
                               " knows no fog, smoke or other media; render with whitted or path");
 }
 
-// Coefficients of media are red, green and blue.
-void refuse_media_for_wavelengths(const RayTracer& tracer) {
-  if (Media(tracer.scene()).none()) return;
-  throw std::invalid_argument(
-      "wavelengths are not followed through fog, smoke and other media; leave one of them away");
-}
-
 std::unique_ptr<Integrator> make_integrator(const RayTracer& tracer, const CameraRays& camera,
                                             const RenderOptions& options) {
-  if (options.spectral) refuse_media_for_wavelengths(tracer);
   switch (options.integrator) {
     case IntegratorKind::appel:
       refuse_media(tracer, "appel");

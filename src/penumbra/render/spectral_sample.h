@@ -14,6 +14,13 @@ namespace penumbra {
   return spectral ? Bands::sample(sampler.next_1d()) : Bands();
 }
 
+/// Where the way of the first wavelength is no longer that of the others, as in glass that disperses: it goes on for
+/// all three.
+inline void leave_hero_alone(Rgb& throughput) {
+  if (throughput.y == 0 && throughput.z == 0) return;
+  throughput = Rgb(3 * throughput.x, 0, 0);
+}
+
 /// Turns what a camera ray saw in `bands` into linear Rec. 709, for the film.
 inline void to_rgb(PixelEstimate& seen, const Bands& bands) {
   if (!bands.spectral()) return;

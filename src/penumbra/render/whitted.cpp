@@ -63,7 +63,7 @@ class Whitted final : public WaveIntegrator {
     }
 
     Rgb air(const SpecularTree::Stretch& stretch) override {
-      const Airlight::Way way{stretch.ray, stretch.around, stretch.branch.interior};
+      const Airlight::Way way{stretch.ray, stretch.around, stretch.branch.interior, stretch.branch.bands};
       const Rgb radiance = owner_.airlight_.scattered_once(way, stretch.branch.depth, sampler_, rays_);
       if (stretch.branch.depth == 0) airlight_ = radiance;
       return radiance;

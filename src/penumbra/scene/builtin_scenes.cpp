@@ -58,7 +58,11 @@ const std::vector<Entry>& entries() {
        {{.key = "cells", .fallback = 96, .lower = 8, .upper = 512, .whole = true},
         {.key = "density", .fallback = 10, .lower = 0, .upper = 1000, .unit = "1/m"}},
        make_smoke},
-      {"prism", "a prism of dense flint on a table before a strip lamp; draw it with --spectral", {}, make_prism},
+      {"prism",
+       "a prism of dense flint on a table before a strip lamp, or behind a slit (beam=1), throwing a spectrum; "
+       "draw it with --spectral",
+       {{.key = "beam", .fallback = 0, .lower = 0, .upper = 1, .whole = true}},
+       make_prism},
       {"rainbow",
        "a curtain of rain with the sun behind the eye; draw it with --spectral",
        {{.key = "sun", .fallback = 12, .lower = 0, .upper = 40, .unit = "degrees above the horizon"}},

@@ -69,9 +69,42 @@ void add_strip_lamp(Scene& scene, const Vec3d& before, double turn, double dista
            lambertian("strip lamp", Rgb(0.0F), Rgb(radiance)));
 }
 
+/// White light through a slit towards a prism's face, and the screen that it falls on.
+/// @param face where the beam leaves the glass, at the table; it enters at -face.
+/// @param half half of the deviation in the horizontal plane, rad, off +z.
+void add_slit_and_screen(Scene& scene, const Vec3d& face, double half) {
+  const Vec3d in(-std::sin(half), 0, std::cos(half)), out(std::sin(half), 0, std::cos(half));
+  const Vec3d up(0, 1, 0), beam_height = 0.06 * up;
+  scene.lights.push_back({.name = "beam",
+                          .kind = SpotLight{.position = beam_height - face - 0.9 * in,
+                                            .direction = in,
+                                            .intensity = Rgb(60.0F),
+                                            .inner_angle = 0,
+                                            .outer_angle = 0.045}});
+  const auto add_upright = [&](const char* name, const Vec3d& foot, const Vec3d& across, double height, float grey) {
+    add_quad(scene, name, {foot - across, foot + across, foot + across + height * up, foot - across + height * up},
+             lambertian(name, Rgb(grey)));
+  };
+  // A plate with a slit 5 mm wide: two halves, the sill below it, the lintel above.
+  const Vec3d slit = -face - 0.1 * in, aside(in.z, 0, -in.x);
+  constexpr double half_slit = 0.0025, half_plate = 0.06, sill = 0.035, lintel = 0.085, top = 0.12;
+  for (const double side : {-1.0, 1.0}) {
+    add_upright("plate", slit + side * (half_slit + half_plate) / 2 * aside, (half_plate - half_slit) / 2 * aside, top,
+                0.2F);
+  }
+  add_upright("plate", slit, half_slit * aside, sill, 0.2F);
+  add_upright("plate", slit + lintel * up, half_slit * aside, top - lintel, 0.2F);
+  add_upright("screen", face + 0.5 * out, -0.2 * Vec3d(out.z, 0, -out.x), 0.16, 0.85F);
+  add_quad(scene, "lamp", {Vec3d(-0.3, 1.2, -0.3), Vec3d(0.3, 1.2, -0.3), Vec3d(0.3, 1.2, 0.3), Vec3d(-0.3, 1.2, 0.3)},
+           lambertian("lamp", Rgb(0.0F), Rgb(3.0F)));
+  scene.cameras = {{.name = "camera",
+                    .to_world = look_at({-0.42, 0.34, -0.3}, {0.1, 0.04, 0.2}, {0, 1, 0}),
+                    .lens = PerspectiveLens{radians(34)}}};
+}
+
 }  // namespace
 
-Scene make_prism(const BuiltinParameters&) {
+Scene make_prism(const BuiltinParameters& parameters) {
   Scene scene;
   Material table = lambertian("table", {0.45F, 0.30F, 0.18F});
   table.checker_colour = Rgb(0.38F, 0.24F, 0.14F);
@@ -88,6 +121,10 @@ Scene make_prism(const BuiltinParameters&) {
   const double deviation = 2 * std::asin(refractive_index(dense_flint, line_d) * std::sin(radians(30))) - radians(60);
   const double half = deviation / 2;
   const Vec3d face(0, 0, apex * std::tan(radians(30)));  // where it leaves the glass; it enters at -face
+  if (parameters["beam"] > 0) {
+    add_slit_and_screen(scene, face, half);
+    return scene;
+  }
   add_strip_lamp(scene, -face, half, 1.1, 0.008, 30);
   const Vec3d eye = face + 0.75 * Vec3d(std::sin(half), 0, std::cos(half)) + Vec3d(0, 0.24, 0);
   scene.environment = Environment{.radiance = Rgb(0.12F), .image = {}};

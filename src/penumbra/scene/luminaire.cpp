@@ -34,6 +34,7 @@ void wear_web(Scene& scene, std::size_t light, PhotometricWeb web, const Vec3d& 
                         : std::get<PointLight>(kind);
   const float strength = luminance(worn.intensity);
   worn.intensity = (strength > 0 ? worn.intensity / strength : Rgb(1)) / lumens_per_watt;
+  worn.intensity *= static_cast<float>(tilt_factor(web, nadir));
   worn.inverse_square = true;
   worn.web = WebPlacement{.web = static_cast<std::uint32_t>(scene.webs.size()), .nadir = nadir, .zero = zero};
   scene.webs.push_back(std::move(web));

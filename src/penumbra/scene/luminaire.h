@@ -11,7 +11,8 @@ namespace penumbra {
 
 /// Gives a point or spot light the intensity of a measured luminaire, in cd divided by 683 lm/W; it becomes a point
 /// light. Of what it was before its place, range and tint stay (the tint scaled to a luminance of 1). A spot light's
-/// axis becomes the luminaire's nadir; a point light hangs upright, horizontal angle 0 towards -Z.
+/// axis becomes the luminaire's nadir; a point light hangs upright, horizontal angle 0 towards -Z. The web's factor for
+/// that tilt is applied.
 /// @pre can_wear_web(scene.lights[light]).
 void wear_web(Scene& scene, std::size_t light, PhotometricWeb web);
 

@@ -59,6 +59,12 @@ double candela_towards(const PhotometricWeb& web, const WebPlacement& placed, co
   return candela_at(web, std::acos(down) / degree, horizontal);
 }
 
+double tilt_factor(const PhotometricWeb& web, const Vec3d& nadir) {
+  if (web.tilt.empty()) return 1;
+  const Place t = place_in(web.tilt, std::acos(std::clamp(-nadir.y, -1.0, 1.0)) / degree);
+  return (1 - t.part) * web.tilt_factors[t.low] + t.part * web.tilt_factors[t.high];
+}
+
 double luminous_flux(const PhotometricWeb& web) {
   // Mean over the horizontal angle: trapezoids are exact for what is linear between angles.
   std::vector<double> mean(web.vertical.size(), 0.0);

@@ -17,6 +17,9 @@ struct PhotometricWeb {
   std::vector<double> vertical;    ///< degrees, ascending, within 0..180
   std::vector<double> horizontal;  ///< degrees, ascending, 0 first; ending at 0, 90, 180 or 360 as the symmetry is
   std::vector<double> candela;     ///< cd, >= 0; at [horizontal * vertical.size() + vertical]
+  /// What is left of the lamp's light when the luminaire hangs otherwise than it was measured; both empty: all of it.
+  std::vector<double> tilt{};          ///< degrees of its nadir from the vertical, ascending
+  std::vector<double> tilt_factors{};  ///< >= 0, one for each
 };
 
 /// How a web is turned in the world.
@@ -32,6 +35,10 @@ struct WebPlacement {
 
 /// The same towards a world direction. @param way unit, away from the luminaire.
 [[nodiscard]] double candela_towards(const PhotometricWeb& web, const WebPlacement& placed, const Vec3d& way);
+
+/// The factor of the tilt of a luminaire whose nadir points along `nadir` (unit; the world's is -y): linear between the
+/// angles of the web, its first or last factor beyond; 1 without.
+[[nodiscard]] double tilt_factor(const PhotometricWeb& web, const Vec3d& nadir);
 
 /// Luminous flux, lm: the integral of the intensity over the sphere, exact for the interpolated web in its vertical
 /// angle (closed form between measured angles) and its horizontal one.

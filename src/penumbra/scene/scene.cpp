@@ -214,6 +214,7 @@ void validate_web(const PhotometricWeb& web, const Subject& subject) {
                   "has not one candela value for each pair of angles");
   subject.require(std::ranges::all_of(web.candela, [](double v) { return finite(v) && v >= 0; }),
                   "its candela values must be finite and 0 or more");
+  subject.require(web.tilt.size() == web.tilt_factors.size(), "has not one factor for each angle of tilt");
 }
 
 void validate_media(const Scene& scene) {

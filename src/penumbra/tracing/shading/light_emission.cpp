@@ -18,6 +18,8 @@ bool comes_from_afar(const Scene& scene, const LightSampler::Source& source) {
          std::holds_alternative<DirectionalLight>(scene.lights[source.index].kind);
 }
 
+constexpr double even_share = 0.25;  // of the particles, for all lights alike
+
 }  // namespace
 
 LightEmission::LightEmission(const Scene& scene, const LightSampler& lights) : scene_(&scene), lights_(&lights) {
@@ -49,7 +51,14 @@ LightEmission::LightEmission(const Scene& scene, const LightSampler& lights) : s
     chances_.clear();
     return;
   }
-  for (double& c : chances_) c /= sum;
+  std::size_t lit = 0;
+  for (std::size_t i = 0; i < lights.light_count(); ++i) lit += lights.light(i).power > 0 ? 1 : 0;
+  double before = 0, even = 0;
+  for (std::size_t i = 0; i < lights.light_count(); ++i) {
+    even += lights.light(i).power > 0 ? even_share / static_cast<double>(lit) : 0;
+    before += lights.light(i).power / sum;
+    chances_[i + 1] = (1 - even_share) * before + even;
+  }
 }
 
 std::optional<LightEmission::Origin> LightEmission::sample_origin(double u_light, const Vec2d& u) const {

@@ -7,8 +7,9 @@
 
 namespace penumbra {
 
-/// Draws what leaves the lights of a scene: a light in proportion to its power, a point of its, a direction. Lights of
-/// a LightSampler; infinite planes that emit and ambient light are not among them. Thread-safe.
+/// Draws what leaves the lights of a scene: a light, three times in four in proportion to its power, else any that
+/// shines (a fine beam is worth seeing, however little power it has), a point of its, a direction. Lights of a
+/// LightSampler; infinite planes that emit and ambient light are not among them. Thread-safe.
 class LightEmission {
  public:
   /// Both must outlive it. Throws std::invalid_argument for lights that send out no countable power: point lights

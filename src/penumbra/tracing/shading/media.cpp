@@ -37,6 +37,11 @@ Vec3d band_chances(const Rgb& throughput) {
   return sum > 0 ? carried / sum : Vec3d(1.0 / 3);
 }
 
+// A coefficient in a ray's bands; what is grey stays so to the last bit, and needs no joining of bands.
+Rgb in_bands(const Rgb& sigma, const Bands& bands) {
+  return sigma.x == sigma.y && sigma.y == sigma.z ? sigma : bands.reflectance(sigma);
+}
+
 int chosen_band(const Vec3d& chances, double u) {
   if (u < chances.x) return 0;
   return u < chances.x + chances.y || !(chances.z > 0) ? 1 : 2;
@@ -69,7 +74,7 @@ Media::Contents Media::contents(const Surroundings& around) const {
   return found;
 }
 
-Media::Parts Media::parts(const Surroundings& around, const Ray& ray) const {
+Media::Parts Media::parts(const Surroundings& around, const Ray& ray, const Bands& bands) const {
   Parts all;
   const Contents inside = contents(around);
   for (std::size_t i = 0; i < inside.count; ++i) {
@@ -81,7 +86,8 @@ Media::Parts Media::parts(const Surroundings& around, const Ray& ray) const {
       const Interval grid = clip(ray, m.density->box);
       in = {std::max(in.from, grid.from), std::min(in.to, grid.to)};
     }
-    if (in.from < in.to && !is_black(m.extinction())) all.part[all.count++] = {index, in.from, in.to};
+    if (!(in.from < in.to) || is_black(m.extinction())) continue;
+    all.part[all.count++] = {index, in.from, in.to, in_bands(m.extinction(), bands)};
   }
   return all;
 }
@@ -103,7 +109,7 @@ Vec3d Media::optical_depth(const Parts& parts, const Ray& ray, double to) const 
   Vec3d depth(0);
   for (const Part& part : parts) {
     const double density = path_density(part, ray, to);
-    const Vec3d sigma(scene_->media[part.medium].extinction());
+    const Vec3d sigma(part.extinction);
     for (int band = 0; band < 3; ++band) {
       if (sigma[band] > 0) depth[band] += sigma[band] * density;  // the way may be infinite
     }
@@ -111,17 +117,17 @@ Vec3d Media::optical_depth(const Parts& parts, const Ray& ray, double to) const 
   return depth;
 }
 
-Vec3d Media::optical_depth(const Surroundings& around, const Ray& ray) const {
-  return optical_depth(parts(around, ray), ray, ray.t_max);
+Vec3d Media::optical_depth(const Surroundings& around, const Ray& ray, const Bands& bands) const {
+  return optical_depth(parts(around, ray, bands), ray, ray.t_max);
 }
 
-Rgb Media::transmittance(const Surroundings& around, const Ray& ray) const {
-  return Rgb(glm::exp(-optical_depth(around, ray)));
+Rgb Media::transmittance(const Surroundings& around, const Ray& ray, const Bands& bands) const {
+  return Rgb(glm::exp(-optical_depth(around, ray, bands)));
 }
 
 std::optional<Media::Interval> Media::scattering_interval(const Surroundings& around, const Ray& ray) const {
   Interval all{infinity, 0};
-  for (const Part& part : parts(around, ray)) {
+  for (const Part& part : parts(around, ray, {})) {
     if (!scene_->media[part.medium].scatters()) continue;
     all = {std::min(all.from, part.from), std::max(all.to, part.to)};
   }
@@ -129,22 +135,24 @@ std::optional<Media::Interval> Media::scattering_interval(const Surroundings& ar
   return std::nullopt;
 }
 
-Media::Lobes Media::lobes(const Surroundings& around, const Vec3d& point) const {
+Media::Lobes Media::lobes(const Surroundings& around, const Vec3d& point, const Bands& bands) const {
   Lobes found;
   const Contents inside = contents(around);
   for (std::size_t i = 0; i < inside.count; ++i) {
     const Medium& m = scene_->media[inside.medium[i]];
     if (!m.scatters()) continue;
-    found.lobe[found.count++] = {m.scattering * static_cast<float>(density(inside.medium[i], point)), m.asymmetry};
+    const auto thick = static_cast<float>(density(inside.medium[i], point));
+    found.lobe[found.count++] = {thick * in_bands(m.scattering, bands), m.asymmetry};
   }
   return found;
 }
 
-Rgb Media::extinction(const Surroundings& around, const Vec3d& point) const {
+Rgb Media::extinction(const Surroundings& around, const Vec3d& point, const Bands& bands) const {
   Rgb sum(0);
   const Contents inside = contents(around);
   for (std::size_t i = 0; i < inside.count; ++i) {
-    sum += scene_->media[inside.medium[i]].extinction() * static_cast<float>(density(inside.medium[i], point));
+    const Rgb sigma = in_bands(scene_->media[inside.medium[i]].extinction(), bands);
+    sum += static_cast<float>(density(inside.medium[i], point)) * sigma;
   }
   return sum;
 }
@@ -158,9 +166,7 @@ std::optional<Media::Strike> Media::track(const Parts& parts, const Ray& ray, in
   for (const Part& part : parts) ends[count++] = part.from, ends[count++] = part.to;
   std::sort(ends.begin(), ends.begin() + static_cast<std::ptrdiff_t>(count));
 
-  const auto sigma = [&](const Part& part) {
-    return static_cast<double>(scene_->media[part.medium].extinction()[band]);
-  };
+  const auto sigma = [&](const Part& part) { return static_cast<double>(part.extinction[band]); };
   double t = 0;
   for (std::size_t e = 0; e < count; ++e) {
     const double end = ends[e];
@@ -187,16 +193,15 @@ std::optional<Media::Strike> Media::track(const Parts& parts, const Ray& ray, in
   return std::nullopt;
 }
 
-bool Media::is_grey(const Parts& parts) const {
-  return std::all_of(parts.begin(), parts.end(), [&](const Part& part) {
-    const Rgb sigma = scene_->media[part.medium].extinction();
-    return sigma.x == sigma.y && sigma.y == sigma.z;
+bool Media::is_grey(const Parts& parts) {
+  return std::all_of(parts.begin(), parts.end(), [](const Part& part) {
+    return part.extinction.x == part.extinction.y && part.extinction.y == part.extinction.z;
   });
 }
 
 Media::Flight Media::fly(const Surroundings& around, const Ray& ray, const Rgb& throughput, const Vec2d& u,
-                         CounterRng& rng) const {
-  const Parts in = parts(around, ray);
+                         CounterRng& rng, const Bands& bands) const {
+  const Parts in = parts(around, ray, bands);
   if (in.count == 0) return {};
   const Vec3d chances = band_chances(throughput);
   const int band = chosen_band(chances, u.x);
@@ -210,8 +215,8 @@ Media::Flight Media::fly(const Surroundings& around, const Ray& ray, const Rgb& 
   }
   if (!strike) return {.weight = Rgb(density / dot(chances, density))};
   const Medium& medium = scene_->media[strike->medium];
-  const Vec3d collided = Vec3d(medium.extinction()) * density;
-  return {.weight = Rgb(Vec3d(medium.scattering) * density / dot(chances, collided)),
+  const Vec3d collided = Vec3d(in_bands(medium.extinction(), bands)) * density;
+  return {.weight = Rgb(Vec3d(in_bands(medium.scattering, bands)) * density / dot(chances, collided)),
           .collided = true,
           .distance = strike->distance,
           .medium = strike->medium};

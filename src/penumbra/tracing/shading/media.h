@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "penumbra/math/bands.h"
 #include "penumbra/math/ray.h"
 #include "penumbra/math/rng.h"
 #include "penumbra/scene/scene.h"
@@ -17,6 +18,9 @@ namespace penumbra {
 using Surroundings = std::optional<std::uint32_t>;
 
 /// The participating media of a scene, along rays. Thread-safe; the scene must outlive it.
+///
+/// Coefficients given in red, green and blue become spectra as reflectances do (see uplift_basis): at every wavelength
+/// between the least and the largest of the three, grey stays grey.
 class Media {
  public:
   explicit Media(const Scene& scene);
@@ -29,9 +33,9 @@ class Media {
 
   /// Beer-Lambert: the share of light left along the interval (0, ray.t_max), 0..1 per band. Exact, also through
   /// grids.
-  [[nodiscard]] Rgb transmittance(const Surroundings& around, const Ray& ray) const;
+  [[nodiscard]] Rgb transmittance(const Surroundings& around, const Ray& ray, const Bands& bands = {}) const;
   /// Optical depth of the same, >= 0, infinite allowed.
-  [[nodiscard]] Vec3d optical_depth(const Surroundings& around, const Ray& ray) const;
+  [[nodiscard]] Vec3d optical_depth(const Surroundings& around, const Ray& ray, const Bands& bands = {}) const;
 
   struct Interval {
     double from = 0, to = 0;  ///< m along the ray; to may be infinite
@@ -50,9 +54,9 @@ class Media {
     [[nodiscard]] const Lobe* end() const { return lobe.data() + count; }
   };
   /// The media that scatter at `point`.
-  [[nodiscard]] Lobes lobes(const Surroundings& around, const Vec3d& point) const;
+  [[nodiscard]] Lobes lobes(const Surroundings& around, const Vec3d& point, const Bands& bands = {}) const;
   /// Sum of the media's extinction at `point`, 1/m.
-  [[nodiscard]] Rgb extinction(const Surroundings& around, const Vec3d& point) const;
+  [[nodiscard]] Rgb extinction(const Surroundings& around, const Vec3d& point, const Bands& bands = {}) const;
 
   /// How light that is followed along a ray fares.
   struct Flight {
@@ -67,13 +71,14 @@ class Media {
   /// (after Wilkie et al. 2014), so that the weight never exceeds the sum of the throughput over its largest band.
   /// @param u two uniform numbers: the band and the first step. @param rng for the steps that follow.
   [[nodiscard]] Flight fly(const Surroundings& around, const Ray& ray, const Rgb& throughput, const Vec2d& u,
-                           CounterRng& rng) const;
+                           CounterRng& rng, const Bands& bands = {}) const;
 
  private:
   // A medium where the ray is in it.
   struct Part {
     std::uint32_t medium;
     double from, to;
+    Rgb extinction;  // at density 1, 1/m, in the ray's bands
   };
   struct Parts {
     std::array<Part, most_media_in_air> part;
@@ -91,13 +96,13 @@ class Media {
   };
 
   [[nodiscard]] Contents contents(const Surroundings& around) const;
-  [[nodiscard]] Parts parts(const Surroundings& around, const Ray& ray) const;
+  [[nodiscard]] Parts parts(const Surroundings& around, const Ray& ray, const Bands& bands) const;
   [[nodiscard]] double density(std::uint32_t medium, const Vec3d& point) const;
   [[nodiscard]] double path_density(const Part& part, const Ray& ray, double to) const;
   [[nodiscard]] Vec3d optical_depth(const Parts& parts, const Ray& ray, double to) const;
   [[nodiscard]] std::optional<Strike> track(const Parts& parts, const Ray& ray, int band, double u,
                                             CounterRng& rng) const;
-  [[nodiscard]] bool is_grey(const Parts& parts) const;
+  [[nodiscard]] static bool is_grey(const Parts& parts);
 
   const Scene* scene_;
   std::vector<std::optional<DensityField>> fields_;  ///< by medium

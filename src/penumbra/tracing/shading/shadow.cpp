@@ -73,7 +73,7 @@ bool Shadow::go_through(Passage& way, const Hit& hit, const Bands& bands) const 
     Ray before = way.rest;
     before.t_max = hit.t;
     const bool front = dot(point.geometric_normal, direction) < 0;
-    way.passed *= media_.transmittance(way.interior.around(scene, point, front), before);
+    way.passed *= media_.transmittance(way.interior.around(scene, point, front), before, bands);
     way.interior.cross(scene, point, direction, true);
   }
   way.passed *= crossing(surface_material(scene, point, bands), point.geometric_normal, direction, through_glass_);
@@ -91,12 +91,12 @@ Rgb Shadow::transmittance(const Ray& ray, const Interior& inside, const Bands& b
   const bool clear = media_.none();
   if (binary_) {
     if (tracer_->occluded(ray)) return Rgb(0);
-    return clear ? Rgb(1) : media_.transmittance(inside.innermost(), ray);
+    return clear ? Rgb(1) : media_.transmittance(inside.innermost(), ray, bands);
   }
   Passage way(ray, inside);
   for (int crossed = 0; crossed < most_surfaces; ++crossed) {
     const auto hit = tracer_->nearest(way.rest);
-    if (!hit) return clear ? way.passed : way.passed * media_.transmittance(way.interior.innermost(), way.rest);
+    if (!hit) return clear ? way.passed : way.passed * media_.transmittance(way.interior.innermost(), way.rest, bands);
     if (!go_through(way, *hit, bands)) return way.passed;
   }
   return Rgb(0);

@@ -8,7 +8,7 @@ Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) 
   if (!hit) {
     const Stretch way{ray, branch.interior.innermost(), branch};
     const Rgb scattered = media_.scatter() ? visitor.air(way) : Rgb(0);
-    return scattered + media_.transmittance(way.around, ray) * visitor.sky(ray, branch);
+    return scattered + media_.transmittance(way.around, ray, branch.bands) * visitor.sky(ray, branch);
   }
   const Scene& scene = tracer_.scene();
   const SurfacePoint point = tracer_.surface_point(ray, *hit);
@@ -20,7 +20,7 @@ Rgb SpecularTree::trace(const Ray& ray, const Branch& branch, Visitor& visitor) 
     Stretch way{ray, branch.interior.around(scene, point, front), branch};
     way.ray.t_max = hit->t;
     if (media_.scatter()) scattered = visitor.air(way);
-    passed *= media_.transmittance(way.around, way.ray);
+    passed *= media_.transmittance(way.around, way.ray, branch.bands);
   }
   if (front_sides_only_ && !front && scene.materials[point.material].transmission == 0) return scattered;
 
