@@ -10,12 +10,17 @@ namespace penumbra {
 namespace {
 
 constexpr std::uint32_t all_lanes = (1U << PatchClusters::lanes) - 1U;
-constexpr double plane_margin = 8;  // times an occluder's slack: closer to a plane it touches it
+constexpr std::size_t most_kept = 1U << 20;  // numbers in the tables of one cluster
+constexpr double plane_margin = 8;           // times an occluder's slack: closer to a plane it touches it
 
 }  // namespace
 
 ClusterSight::ClusterSight(const OccluderIndex& index, const PatchClusters& clusters)
-    : index_(index), clusters_(clusters), fronts_of_(clusters.size()), listed_of_(index.occluders().size()) {}
+    : index_(index),
+      clusters_(clusters),
+      fronts_of_(clusters.size()),
+      listed_of_(index.occluders().size()),
+      table_of_first_(index.occluders().size()) {}
 
 Vec3d ClusterSight::centroid(std::size_t slot) const {
   return {clusters_.centroid[0][slot], clusters_.centroid[1][slot], clusters_.centroid[2][slot]};
@@ -157,22 +162,36 @@ void ClusterSight::drop_rims_aside() {
   }
 }
 
+/// Where the corner distances of cluster a from occluder k are.
+std::size_t ClusterSight::table_of_first(std::uint32_t k) {
+  auto& [of, at] = table_of_first_[k];
+  if (of == tables_of_) return at;
+  const auto planes = index_.planes(k);
+  of = tables_of_;
+  at = used_a_;
+  used_a_ += planes.size() * clusters_.clusters[a_].corner_count * PatchClusters::lanes;
+  if (tables_a_.size() < used_a_) tables_a_.resize(2 * used_a_);
+  corner_distances(clusters_, a_, planes, tables_a_.data() + at);
+  return at;
+}
+
 void ClusterSight::make_tables() {
+  if (kept_of_ != a_ || used_a_ > most_kept) {
+    kept_of_ = a_;
+    ++tables_of_;
+    used_a_ = 0;
+  }
   std::size_t used = 0, edges = 0;
   for (Listed& one : listed_) {
     if (one.silent()) continue;
     const auto planes = index_.planes(one.occluder);
     one.inside = edges;
     edges += planes.size() - 1;
-    const auto append = [&](std::size_t cluster) {
-      const std::size_t at = used;
-      used += planes.size() * clusters_.clusters[cluster].corner_count * PatchClusters::lanes;
-      if (tables_.size() < used) tables_.resize(2 * used);
-      corner_distances(clusters_, cluster, planes, tables_.data() + at);
-      return at;
-    };
-    one.table_a = append(a_);
-    one.table_b = append(b_);
+    one.table_a = table_of_first(one.occluder);
+    one.table_b = used;
+    used += planes.size() * clusters_.clusters[b_].corner_count * PatchClusters::lanes;
+    if (tables_b_.size() < used) tables_b_.resize(2 * used);
+    corner_distances(clusters_, b_, planes, tables_b_.data() + one.table_b);
   }
   inside_.resize(std::max(inside_.size(), edges));
 }
@@ -249,7 +268,7 @@ std::uint32_t ClusterSight::look(std::size_t lane, std::uint32_t& facing) {
       one.seen.visible = ~0U;
       continue;
     }
-    one.seen = lane_visibility(clusters_, a_, lane, tables_.data() + one.table_a, b_, tables_.data() + one.table_b,
+    one.seen = lane_visibility(clusters_, a_, lane, tables_a_.data() + one.table_a, b_, tables_b_.data() + one.table_b,
                                index_.planes(one.occluder).size(), index_.occluders().slack[one.occluder], facing,
                                inside_.data() + one.inside);
     one.seen.visible |= one.behind_b;

@@ -73,6 +73,7 @@ class ClusterSight {
   void add_rim(std::uint32_t n, std::uint32_t corner);
   void drop_rims_aside();
   void make_tables();
+  [[nodiscard]] std::size_t table_of_first(std::uint32_t k);
   [[nodiscard]] bool first_centres_hidden() const;
   void find_live_rims(std::uint32_t facing);
   void settle(std::uint32_t settled, std::uint32_t& facing) const;
@@ -90,7 +91,10 @@ class ClusterSight {
   std::uint32_t now_ = 0;
   std::vector<RimEdge> rims_;
   std::vector<std::uint64_t> edges_inside_;  // per listed: edges that no segment between the clusters leaves across
-  std::vector<double> tables_;
+  // Those of cluster a are kept while it stays: per occluder its stamp and where they begin.
+  std::vector<double> tables_a_, tables_b_;
+  std::vector<std::pair<std::size_t, std::size_t>> table_of_first_;
+  std::size_t kept_of_ = std::size_t(-1), tables_of_ = 0, used_a_ = 0;  // the cluster, its stamp, numbers in use
   std::vector<std::uint32_t> inside_;
   std::vector<std::uint32_t> occluders_;
   std::vector<Silhouette::Rim> rims_of_pair_;
