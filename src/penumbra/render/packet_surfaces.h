@@ -52,7 +52,6 @@ class PacketSurfaces {
   /// which corners the triangles have, a while later the corners.
   void fetch_triangles(const HitPacket& hits, int used) const;
   void fetch_corners(const HitPacket& hits, int used) const;
-  void fetch(const HitPacket& hits, int used) const { fetch_triangles(hits, used), fetch_corners(hits, used); }
 
   /// Puts a hit lane's triangle or shape beside the others; returns its material, or none when the lane has to be
   /// shaded by itself. @pre the lane hit something.

@@ -94,7 +94,8 @@ class PathWaves::Batch {
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
 
  private:
-  void meet(Wave& wave);
+  void meet(std::span<const Wave> waves);
+  void go_on(const Wave& wave, const HitPacket& hits);
   void classify(const Wave& wave, Lit& lit);
   void shine(const Wave& wave, std::size_t i, const Lit& lit);
   void light(const Wave& wave, Lit& lit);
@@ -175,16 +176,29 @@ void PathWaves::Batch::trace() {
   numbers_before_ = owner_.options_.spectral ? 1 : 0;
   depth_ = 0;
   for (std::span<Wave> waves = queue_.advance(); !waves.empty(); waves = queue_.advance(), ++depth_) {
-    for (Wave& wave : waves) meet(wave);
+    meet(waves);
     count(rays_, RayPurpose::diffuse, depth_ + 1, std::exchange(bounces_, 0));
     numbers_before_ += depth_ + 1 > sure_bounces ? survival + 1 : survival;
   }
 }
 
-void PathWaves::Batch::meet(Wave& wave) {
+// While waves are traced, memory brings what those before them met.
+void PathWaves::Batch::meet(std::span<const Wave> waves) {
+  std::array<HitPacket, 3> hits;
+  const auto of = [&](std::size_t i) -> HitPacket& { return hits[i % hits.size()]; };
+  for (std::size_t i = 0; i < waves.size() + 2; ++i) {
+    if (i < waves.size()) {
+      owner_.tracer_.nearest(waves[i].rays, of(i), depth_ == 0);
+      owner_.surfaces_.fetch_triangles(of(i), waves[i].used);
+    }
+    if (i >= 1 && i - 1 < waves.size()) owner_.surfaces_.fetch_corners(of(i - 1), waves[i - 1].used);
+    if (i >= 2) go_on(waves[i - 2], of(i - 2));
+  }
+}
+
+void PathWaves::Batch::go_on(const Wave& wave, const HitPacket& hits) {
   Lit lit;
-  owner_.tracer_.nearest(wave.rays, lit.hits, depth_ == 0);
-  owner_.surfaces_.fetch(lit.hits, wave.used);
+  lit.hits = hits;
   classify(wave, lit);
   if (owner_.options_.max_depth > 0 && depth_ >= owner_.options_.max_depth) return;
   light(wave, lit);
