@@ -4,13 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-// As in packet_shading.cpp: loops over 16 lanes that the compiler turns into vector instructions.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define PENUMBRA_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define PENUMBRA_CLONES
-#endif
+#include "penumbra/render/lane_loops.h"
 
 namespace penumbra {
 namespace {

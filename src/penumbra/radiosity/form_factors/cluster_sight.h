@@ -50,7 +50,7 @@ class ClusterSight {
     bool clear = false;                        // above all of them
     std::uint32_t surface = 0;                 // lanes of b for which it is of the surface, from the lane looked from
     bool rim = false;                          // has an edge in rims_
-    std::size_t table_a = 0, table_b = 0;      // its corner distances in tables_
+    std::size_t table_a = 0, table_b = 0;      // its corner distances in tables_a_ and tables_b_
     std::size_t inside = 0;                    // its edges' lanes in inside_
     LaneVisibility seen;                       // from the lane looked from
     [[nodiscard]] bool silent() const { return clear && !rim; }
