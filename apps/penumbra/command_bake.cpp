@@ -42,7 +42,7 @@ Report report_on(const BakeArguments& arguments, const RadiositySetup& setup, co
           {"scene", arguments.scene.source},
           {"output", arguments.output},
           {"solver", arguments.radiosity.solver},
-          {"form_factors", arguments.radiosity.form_factors},
+          {"form_factors", setup.form_factors.empty() ? Report(nullptr) : Report(setup.form_factors)},
           {"seed", arguments.common.seed},
           {"resumed", arguments.resume.has_value()},
           {"spectral", arguments.spectral},

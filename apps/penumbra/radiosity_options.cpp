@@ -61,12 +61,14 @@ void add_contrast_option(OptionParser& parser, RadiosityOptions& o) {
 }
 
 void add_factor_options(OptionParser& parser, RadiosityOptions& o) {
-  parser.value("--form-factors", "NAME",
-               "point, nusselt, hemicube, analytic, adaptive, ray-cast or auto (default: auto)",
-               [&](const OptionValue& v) {
-                 o.form_factors = choice<std::string>(v, choices_of(form_factor_method_names()));
-                 o.given = true;
-               });
+  parser.value(
+      "--form-factors", "NAME",
+      "point, nusselt, hemicube, analytic, adaptive, ray-cast or auto, which casts rays where very many polygons "
+      "stand between the elements and no --factor-tolerance is given (default: auto)",
+      [&](const OptionValue& v) {
+        o.form_factors = choice<std::string>(v, choices_of(form_factor_method_names()));
+        o.given = true;
+      });
   parser.value("--factor-tolerance", "X",
                "for each element, the sum over j of |error of F_ij| is at most this (auto, adaptive; ray-cast at its 3 "
                "sigma) (default: 1e-3)",
@@ -184,6 +186,7 @@ RadiositySetupOptions setup_options(const RadiosityOptions& o, bool front_sides_
   setup.contrast = o.contrast.value_or(setup.contrast);
   setup.front_sides_only = front_sides_only;
   setup.form_factors = o.form_factors;
+  setup.rays_where_crowded = !o.factor_tolerance;
   setup.factors.tolerance = o.factor_tolerance.value_or(1e-3);
   setup.factors.rays = o.rays.value_or(0);
   setup.factors.resolution = o.resolution.value_or(0);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "penumbra/radiosity/direct_irradiance.h"
+#include "penumbra/radiosity/form_factors/crowding.h"
 #include "penumbra/radiosity/form_factors/normalization.h"
 #include "penumbra/radiosity/meshing/adaptive_elements.h"
 #include "penumbra/radiosity/meshing/element_builder.h"
@@ -27,6 +28,11 @@ namespace {
 // Elements of which shooting keeps the matrix (some 40 MB) when `auto` computes it: a patch shoots several times, and
 // its row would be computed each time.
 constexpr std::size_t most_with_matrix = 2000;
+
+// From so many polygons in doubt on, `auto` takes minutes; rays, for which it does not matter how many there are, take
+// seconds.
+constexpr double crowded = 1e9;
+constexpr int rays_in_crowds = 1024;
 
 // What a matrix takes while it is assembled, bytes: a third of all pairs see each other, 24 bytes a factor.
 constexpr double bytes_a_pair = 8;
@@ -101,6 +107,22 @@ void refuse_what_does_not_fit(const RadiositySetupOptions& options, std::size_t 
                   "(--elements N, --element-size M), or --solver shooting --form-factors hemicube, which keeps no "
                   "matrix",
                   elements, bytes / 1e9, options.factor_memory / 1e9));
+}
+
+// The method asked for, or rays where it would take too long.
+std::unique_ptr<FormFactorMethod> make_method(const RadiositySetupOptions& options, RadiositySetup& setup) {
+  FormFactorOptions factors = options.factors;
+  factors.seed = options.seed;
+  setup.form_factors = options.form_factors;
+  if (options.rays_where_crowded && options.form_factors == "auto" && crowding(setup.mesh) > crowded) {
+    setup.form_factors = "ray-cast";
+    factors.rays = rays_in_crowds;
+    setup.warnings.push_back(fmt::format(
+        "{} elements stand too close and crooked for exact form factors in short time, so {} rays from each "
+        "estimate them; --factor-tolerance X asks for exact ones all the same",
+        setup.mesh.surface_count(), rays_in_crowds));
+  }
+  return make_form_factor_method(setup.form_factors, setup.mesh, factors);
 }
 
 // Area-weighted share of the sides that see anything and see a closed scene.
@@ -280,6 +302,7 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   progress.tell("mesh", 0);
   const AbsorbingAir air(scene);
   if (air.is_clear() && refines_as_it_shoots(scene, options)) {
+    setup->form_factors = options.form_factors;
     prepare_refining(scene, options, progress, *setup);
     setup->seconds.mesh = watch.lap();
     return setup;
@@ -294,9 +317,7 @@ std::unique_ptr<RadiositySetup> make_radiosity_setup(const Scene& scene, const R
   setup->lights = std::move(direct.lights);
   setup->seconds.direct = watch.lap();
 
-  FormFactorOptions factor_options = options.factors;
-  factor_options.seed = options.seed;
-  auto method = make_form_factor_method(options.form_factors, setup->mesh, factor_options);
+  auto method = make_method(options, *setup);
   const bool small = options.form_factors == "auto" && setup->mesh.surface_count() <= most_with_matrix;
   if (options.solver == "shooting" && method->computes_rows() && !small && air.is_clear()) {
     setup->row_method = std::move(method);

@@ -34,6 +34,10 @@ struct RadiositySetupOptions {
   bool front_sides_only = false;     ///< backs are black and opaque
   std::string form_factors = "auto";
   FormFactorOptions factors;
+  /// With `auto`: where so many polygons stand between the elements that exact factors would take minutes (crowding),
+  /// as on finely faceted bodies, rays are cast instead, and a warning says so. The light of an element is then known
+  /// to about one per cent.
+  bool rays_where_crowded = false;
   std::string solver = "gauss-seidel";
   /// The matrix may take this many bytes; 0: as many as it wants.
   double factor_memory = 0;
@@ -61,6 +65,7 @@ struct RadiositySetup {
   std::vector<double> taken_by_air;  ///< by element: what absorbing air took of its row sum; empty in clear air
   std::vector<bool> passes_light;    ///< by element: all light that it does not absorb goes on by mirrors and glass
   std::string solver;
+  std::string form_factors;  ///< the method's name; empty where the factors come from a checkpoint
   bool front_sides_only = false;
   bool partial = false;  ///< stopped before factors and direct light were complete
   std::vector<std::string> warnings;
