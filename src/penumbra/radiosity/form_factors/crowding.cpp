@@ -1,6 +1,7 @@
 #include "penumbra/radiosity/form_factors/crowding.h"
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "penumbra/math/rng.h"
@@ -15,7 +16,7 @@ constexpr std::size_t drawn_pairs = 2048;
 
 }  // namespace
 
-double crowding(const PatchMesh& mesh, std::uint64_t seed) {
+double crowding(const PatchMesh& mesh) {
   const OccluderPolygons occluders = make_occluder_polygons(mesh);
   const OccluderIndex index(occluders);
   const PatchClusters clusters = make_patch_clusters(mesh);
@@ -25,7 +26,7 @@ double crowding(const PatchMesh& mesh, std::uint64_t seed) {
   for (std::size_t k = 0; k < drawn_pairs && count > 0; ++k) {
     // The first of a pair goes through all clusters evenly.
     const auto& a = clusters.clusters[k * count / drawn_pairs];
-    const auto& b = clusters.clusters[hash_key(seed, k) % count];
+    const auto& b = clusters.clusters[hash_key(k) % count];
     if (index.between(a, b, found) == Sight::partial) met += static_cast<double>(found.size());
   }
   const double pairs = 0.5 * static_cast<double>(count) * static_cast<double>(count + 1);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -29,10 +30,7 @@ namespace {
 // its row would be computed each time.
 constexpr std::size_t most_with_matrix = 2000;
 
-// From so many polygons in doubt on, `auto` takes minutes; rays, for which it does not matter how many there are, take
-// seconds.
-constexpr double crowded = 1e9;
-constexpr int rays_in_crowds = 1024;
+constexpr int rays_in_crowds = 1024;  // an element
 
 // What a matrix takes while it is assembled, bytes: a third of all pairs see each other, 24 bytes a factor.
 constexpr double bytes_a_pair = 8;
@@ -114,13 +112,15 @@ std::unique_ptr<FormFactorMethod> make_method(const RadiositySetupOptions& optio
   FormFactorOptions factors = options.factors;
   factors.seed = options.seed;
   setup.form_factors = options.form_factors;
-  if (options.rays_where_crowded && options.form_factors == "auto" && crowding(setup.mesh) > crowded) {
+  if (options.form_factors == "auto" && std::isfinite(options.most_crowding) &&
+      crowding(setup.mesh) > options.most_crowding) {
     setup.form_factors = "ray-cast";
     factors.rays = rays_in_crowds;
-    setup.warnings.push_back(fmt::format(
-        "{} elements stand too close and crooked for exact form factors in short time, so {} rays from each "
-        "estimate them; --factor-tolerance X asks for exact ones all the same",
-        setup.mesh.surface_count(), rays_in_crowds));
+    setup.warnings.push_back(
+        fmt::format("so many polygons stand between the {} elements that exact form factors would take very long; {} "
+                    "rays from each element estimate them, and light of small lamps is grainy (--form-factors ray-cast "
+                    "--rays N takes more rays, --factor-tolerance X asks for exact ones)",
+                    setup.mesh.surface_count(), rays_in_crowds));
   }
   return make_form_factor_method(setup.form_factors, setup.mesh, factors);
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,10 +35,9 @@ struct RadiositySetupOptions {
   bool front_sides_only = false;     ///< backs are black and opaque
   std::string form_factors = "auto";
   FormFactorOptions factors;
-  /// With `auto`: where so many polygons stand between the elements that exact factors would take minutes (crowding),
-  /// as on finely faceted bodies, rays are cast instead, and a warning says so. The light of an element is then known
-  /// to about one per cent.
-  bool rays_where_crowded = false;
+  /// With `auto`: where more polygons than this stand in doubt between the elements (crowding), as on finely faceted
+  /// bodies, rays are cast instead, and a warning says so. Infinite: never.
+  double most_crowding = std::numeric_limits<double>::infinity();
   std::string solver = "gauss-seidel";
   /// The matrix may take this many bytes; 0: as many as it wants.
   double factor_memory = 0;
